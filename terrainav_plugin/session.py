@@ -56,7 +56,7 @@ class Session(QObject):
     Signals
     -------
     preview_shown(bool)
-        The preview appears or disappears, or its layers do in the layer tree.
+        Whether the preview is visible; emitted when the preview or its layers are shown or hidden.
     """
 
     preview_shown = pyqtSignal(bool)
@@ -117,7 +117,7 @@ class Session(QObject):
 
     @property
     def planned(self) -> PlannedMission | None:
-        """Plan of the mission entered; None until it exists."""
+        """Plan of the entered mission; None until it exists."""
         return self.planning.latest
 
     def show_dock(self, visible: bool) -> None:
@@ -135,7 +135,7 @@ class Session(QObject):
         self._draw(self.areas.polygon_tool.start)
 
     def take_test_shot(self) -> None:
-        """Let the user click where one image is to be taken."""
+        """Let the user click the place of a single image."""
         self.dock.setUserVisible(True)
         self.point_tool.start()
 
@@ -155,7 +155,7 @@ class Session(QObject):
             self.planning.refuse(tr("No preview yet."))
 
     def capture(self, only_failed: bool = False) -> None:
-        """Capture the mission as entered now, or only its failed images."""
+        """Capture the entered mission, or only its failed images."""
         self.dock.setUserVisible(True)
         state = self.state()
         if self.runs.can_start(state):
@@ -167,7 +167,7 @@ class Session(QObject):
             )
 
     def make_benchmark(self) -> None:
-        """Ask for the settings of a benchmark whose queries are the views of the mission entered."""
+        """Ask for the settings of a benchmark whose queries are the views of the entered mission."""
         self.dock.setUserVisible(True)
         self.planning.use_plan(lambda planned: self.benchmarks.make(planned.mission), tr("No benchmark yet."))
 
@@ -176,7 +176,7 @@ class Session(QObject):
         self.source_on_map.show()
 
     def group(self) -> MissionGroup:
-        """Layer tree group of the mission entered."""
+        """Layer tree group of the entered mission."""
         return self.open_project.mission_group(entered_folder(self.state().folder))
 
     def zoom_to_box(self, box: Box) -> None:
@@ -198,8 +198,8 @@ class Session(QObject):
             self.missions.begin_anew()
 
     def close(self) -> None:
-        """Remove everything the session has made."""
-        # An open dialog would be deleted with the dock while it is running.
+        """Remove everything that the session has made."""
+        # End open dialogs, which would otherwise be deleted with the dock while they are running.
         for dialog in self.dock.findChildren(QDialog):
             dialog.reject()
         self.memory.write()
@@ -244,7 +244,7 @@ class Session(QObject):
         dock.test_shot_clicked.connect(self.take_test_shot)
         dock.hint_followed.connect(self._follow_hint)
         dock.capture_clicked.connect(self.capture)
-        # Sources entered in the panel were chosen here or agreed to.
+        # A source in the panel was chosen by the user, or the user has agreed to it.
         self.planning.planned.connect(lambda planned: agree(source_names(planned.mission)))
         self.planning.planned.connect(self._preview_plan)
         self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
@@ -283,7 +283,7 @@ class Session(QObject):
     def _restore(self) -> None:
         state = FormState.from_json(self.settings.form)
         if not self.settings.form and self._units == "ft":
-            # On the default height, in feet.
+            # The default height in feet.
             state = replace(state, agl_unit="ft", agl=400.0)
         if not state.folder:
             first = self.settings.missions / "mission-1"
@@ -309,7 +309,7 @@ class Session(QObject):
         self.planning.plan(at_once=True)
 
     def _show_preview_state(self, on: bool) -> None:
-        """Note whether a preview is shown; its buttons are pressed while it is visible."""
+        """Note whether there is a preview; the preview buttons are pressed while it is visible."""
         self._previewing = on
         seen = on and self.preview.visible
         self.areas.show_previewed(seen)
@@ -321,7 +321,7 @@ class Session(QObject):
         self.messages.error(tr("The preview could not be drawn: {error}").format(error=repr(error)), trace)
 
     def _hide_planned(self, folder: Path) -> None:
-        """Hide the planned images of a captured mission, but not those of the mission planned after it."""
+        """Hide the planned images of a captured mission, but not if another mission has been planned since."""
         from ..core.capture.folder import holds_mission
 
         planned = self.planned
@@ -334,7 +334,7 @@ class Session(QObject):
     # --- smaller reactions
 
     def _datasets(self) -> list[Path]:
-        """Folders of the latest datasets, and that of the panel's mission unless it is read-only."""
+        """Folders of the latest datasets, then the folder of the panel's mission unless it is read-only."""
         in_panel = entered_folder(self.state().folder)
         return [*reversed(self.runs.folders), *([] if read_only_reason(in_panel) else [in_panel])]
 
@@ -349,7 +349,7 @@ class Session(QObject):
 
     def _key_chosen(self, authcfg: str) -> None:
         self.settings.set_authcfg(self.state().source_name, authcfg)
-        # Remove messages about the previous choice.
+        # Plan again, to remove messages about the previous choice.
         self.planning.plan()
 
     def _on_map(self, zoom: Callable[[], None]) -> None:
@@ -359,14 +359,14 @@ class Session(QObject):
             self.messages.warning(translate(wrong))
 
     def _draw(self, begin: Callable[[], None]) -> None:
-        """Begin drawing; on an empty map, after showing the selected imagery."""
+        """Begin drawing; if the map is empty, first show the selected imagery."""
         if self.project.mapLayers():
             begin()
         else:
             self.source_on_map.show(then=begin)
 
     def _zoom_if_out_of_sight(self, box: Box) -> None:
-        """Move the map only if the preview is out of sight: keep the user's view."""
+        """Move the map only if the preview is not in view, to keep the user's view."""
         if not is_in_sight(self.iface.mapCanvas(), self.background.rectangle(box)):
             self.background.zoom_to_box(box)
 

@@ -1,4 +1,4 @@
-"""Persistent settings of the plugin, as typed properties over QGIS's settings."""
+"""Persistent settings of the plugin, as typed properties stored in QGIS's settings."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _ROOT = "TerrAInav/"
 _KEYS = f"{_ROOT}authcfg"
 UNITS = tuple(LENGTHS_M)
 _ADDRESS = re.compile(r"(https?)://([^/?#]*)", re.IGNORECASE)
-#: As `Placeholder` takes them.
+#: SHA-256 of a tile, or its first digits, as for `Placeholder`.
 _DIGEST = re.compile(r"\b[0-9a-f]{16,64}\b")
 
 
 class _Text:
-    """A text setting; ``choices`` are the values allowed, empty for any."""
+    """A text setting; ``choices`` are the allowed values, empty if any is allowed."""
 
     def __init__(self, default: str = "", choices: tuple[str, ...] = ()) -> None:
         self.default = default
@@ -47,7 +47,7 @@ class _Text:
 
 
 class _Whole:
-    """A setting that is an integer in a range; anything else in the settings file counts as the default."""
+    """An integer setting in a range; any other value in the settings file counts as the default."""
 
     def __init__(self, default: int, least: int, most: int) -> None:
         self.default, self.least, self.most = default, least, most
@@ -113,12 +113,12 @@ class Settings:
     """Unit of heights in a new mission: m or ft."""
 
     def authcfg(self, source: str) -> str:
-        """Id of a source's authentication configuration; empty for none."""
+        """Id of a source's authentication configuration; empty if there is none."""
         name = credential_name(source)
         return str(QgsSettings().value(f"{_KEYS}/{name}", "") or "") if name else ""
 
     def set_authcfg(self, source: str, authcfg: str) -> None:
-        """Set a source's authentication configuration; empty for none."""
+        """Set a source's authentication configuration; an empty id removes it."""
         name = credential_name(source)
         if name and authcfg:
             QgsSettings().setValue(f"{_KEYS}/{name}", authcfg)
@@ -126,7 +126,7 @@ class Settings:
             QgsSettings().remove(f"{_KEYS}/{name}")
 
     def authcfgs(self) -> dict[str, str]:
-        """Ids of authentication configurations by `credential_name` of their sources."""
+        """Ids of authentication configurations, by the `credential_name` of the source."""
         settings = QgsSettings()
         settings.beginGroup(_KEYS)
         names = settings.childKeys()
@@ -173,7 +173,7 @@ class Settings:
 
     @property
     def cache_limit_bytes(self) -> int:
-        """Largest size of the cache."""
+        """Largest size of the tile cache."""
         return int(self.cache_limit_mb) * 1_000_000
 
     def tile_cache(self) -> TileCache:
@@ -184,15 +184,15 @@ class Settings:
 
 
 def credential_name(source: str) -> str:
-    """Name under which a source's credentials are stored.
+    """Name under which a source's credentials are stored; empty if it has none.
 
-    Addresses use their host, so that credentials for one host are not sent to another. Project layers, files and QGIS
-    connections have none.
+    For an address, the name is its host, so that credentials for one host are not sent to another. Project layers,
+    files and QGIS connections have no credentials here.
     """
     address = _ADDRESS.search(source)
     if address:
         host = address.group(2).rpartition("@")[2].lower()
-        # Host names have up to 253 characters; templates add braces.
+        # Host names have up to 253 characters; placeholders of templates may add some.
         if len(host) > 1000:
             return ""
         return re.sub(r"[\w-]*(\{[^{}]*\}|\[[^\[\]]*\])[\w-]*\.?", "", host)
@@ -201,7 +201,7 @@ def credential_name(source: str) -> str:
 
 
 def credential_home(source: str) -> tuple[str, str]:
-    """Scheme and host that a source's credentials are for; empty unless the source is an address."""
+    """Scheme and host for which a source's credentials are; both empty unless the source is an address."""
     address = _ADDRESS.search(source)
     if address is None:
         return "", ""
@@ -209,7 +209,7 @@ def credential_home(source: str) -> tuple[str, str]:
 
 
 def recent() -> list[Path]:
-    """Recent missions and datasets that still exist, latest first."""
+    """Recent missions and datasets that still exist, the latest first."""
     try:
         paths = parse_json(Settings().recent or "[]")
     except InvalidInput:

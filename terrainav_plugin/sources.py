@@ -1,4 +1,4 @@
-"""Sources for planning, capturing and display, and their terms."""
+"""Sources for planning, capturing and display, and their terms of use."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ def mission_grid(mission: Mission) -> PixelGrid:
     Raises
     ------
     FormError
-        For the field ``source``, ``date`` or ``crs`` if the source does not exist, ``bands`` or ``stretch`` if it lacks
-        them.
+        For the field ``source``, ``date`` or ``crs`` if there is no such source; for ``bands`` or ``stretch`` if the
+        source does not allow them.
     """
     from ..core.imagery.systems import refused
 
@@ -62,7 +62,7 @@ def mission_grid(mission: Mission) -> PixelGrid:
 
 
 def mission_bands(mission: Mission) -> Bands:
-    """Bands of the images of a mission with a known source; red, green and blue if QGIS draws or fetches it."""
+    """Bands of a mission's images; red, green and blue if QGIS draws the source or has the connection."""
     from ..core.bands import RGB
 
     if is_of_qgis(mission.imagery.source) or is_connection(mission.imagery.source):
@@ -71,7 +71,7 @@ def mission_bands(mission: Mission) -> Bands:
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
-    """Return a function that gives `mission_grid` on any thread; call this on the main thread, as layers require."""
+    """Return a function that returns `mission_grid` on any thread. Call on the main thread, which owns layers."""
     if not (is_of_qgis(mission.imagery.source) or is_connection(mission.imagery.source)):
         return lambda: mission_grid(mission)
     try:
@@ -87,12 +87,12 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
 
 
 def plan_mission(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
-    """Plan of a mission, over relief if it has one; on any thread.
+    """Plan of a mission, over its relief if any; on any thread.
 
     Raises
     ------
     InvalidInput, SourceError
-        As `plan`, and if its heights cannot be read.
+        As from `plan`; or the heights cannot be read.
     """
     from ..core.mission.plan import plan
 
@@ -125,7 +125,7 @@ def mission_heights(mission: Mission) -> Heights | None:
 
 
 def request_costs(name: str) -> Costs:
-    """Assumed cost of a request to a source, for estimates."""
+    """Cost of a request to a source, as assumed for estimates."""
     from ..core.imagery.opening import source_kind
     from ..core.mission.estimate import FROM_FILE, OFFLINE, ONLINE
 
@@ -136,13 +136,13 @@ def request_costs(name: str) -> Costs:
     source = _named(name)
     if source.is_local:
         return FROM_FILE if source_kind(name).is_file else OFFLINE
-    # The terms of a service are in its capabilities, which planning reads and an estimate does not read again.
+    # The terms of a service are in its capabilities, which are not requested for an estimate.
     policy = source.stated_policy
     return ONLINE if policy is None else replace(ONLINE, requests_per_s=policy.requests_per_s)
 
 
 def source_policy(name: str) -> Policy | None:
-    """Terms of a source's provider; None if it states none, or only over the network."""
+    """Terms of a source's provider; None if there are none, or if they must be requested."""
     if is_of_qgis(name):
         return next(iter(policies_of_layers(name, QgsProject.instance())), (None, ""))[0]
     source = _named(name)
@@ -170,7 +170,7 @@ def open_for_capture(
 ) -> Source:
     """Source of a mission, ready to fetch; raises InvalidInput or SourceError.
 
-    Tiles whose SHA-256 is among ``placeholders`` or those of the settings count as missing.
+    Tiles whose SHA-256 is in ``placeholders`` or in the settings count as missing.
     """
     if snapshot is not None:
         return LayerSource(snapshot)
@@ -185,14 +185,14 @@ def open_for_capture(
 
 
 def source_transport(source: str, connections: int | None = None) -> QgisTransport:
-    """Transport for a source, with the authentication the user has chosen for it.
+    """Transport for a source, with the authentication that the user has chosen for the source.
 
     Parameters
     ----------
     source : str
-        As named in a mission.
+        Name of the source, as in a mission.
     connections : int or None
-        Most connections; None for that of the settings.
+        Largest number of connections; None for the number in the settings.
 
     Raises
     ------
@@ -210,12 +210,12 @@ def source_transport(source: str, connections: int | None = None) -> QgisTranspo
 
 
 def authcfg_of_requests(source: str) -> str:
-    """Id of the configuration that authenticates a source's requests; empty if it only holds the key."""
+    """Id of the configuration that authenticates a source's requests; empty if there is none, or it holds the key."""
     return "" if needs_key(source) else Settings().authcfg(source)
 
 
 def source_key(source: str) -> str | None:
-    """API key the user has chosen for a source; None if it needs none. Main thread only."""
+    """API key that the user has chosen for a source; None if the source needs no key. Main thread only."""
     return read_key(Settings().authcfg(source)) if needs_key(source) else None
 
 
@@ -227,7 +227,7 @@ def credentials_problem(source: str) -> str:
     if is_connection(source):
         return credential_problem(connection(source).authcfg, is_key=False)
     authcfg, is_key = Settings().authcfg(source), needs_key(source)
-    # The command's way to pass a key works here too, for hosts the user has named with it.
+    # A key may also be in the command's environment variable, for the hosts that the user has named there.
     if is_key and not authcfg:
         try:
             if _named(source).environment_key():
@@ -265,7 +265,7 @@ def _options(mission: Mission, **how: Any) -> SourceOptions:
 
 
 def _check_bands(mission: Mission) -> None:
-    """Refuse bands and a stretch if QGIS draws the pixels or a QGIS connection fetches them."""
+    """Refuse bands and a stretch that are impossible if QGIS draws the source or has the connection."""
     from ..core.imagery.opening import check_colours
 
     imagery = mission.imagery
@@ -274,7 +274,7 @@ def _check_bands(mission: Mission) -> None:
 
 
 def _named(name: str, options: SourceOptions | None = None) -> NamedSource:
-    """Source of a name, or of a QGIS connection."""
+    """Source from a name, which may be that of a QGIS connection."""
     from ..core.imagery.opening import DescribedSource, SourceOptions, named_source
 
     options = options or SourceOptions()
@@ -285,7 +285,7 @@ def _named(name: str, options: SourceOptions | None = None) -> NamedSource:
 
 
 def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
-    """Terms that forbid a run, as HTML, and whether accepting them is enough; None if they allow it."""
+    """Terms that forbid a run, as HTML, and whether the user's consent is enough; None if they allow the run."""
     from ..core.imagery.catalogue import alternatives
     from ..core.imagery.policy import TermsError
 
@@ -365,14 +365,14 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
     }
     for placeholder, value in filled.items():
         url = url.replace(placeholder, value)
-    # QGIS takes braces literally, and decodes the rest once.
+    # Leave braces, which QGIS needs as they are, and encode the rest, which QGIS decodes once.
     address = quote(url, safe=":/{}?=,;@+$!*'()~")
     uri = f"type=xyz&url={address}&zmin={grid.min_zoom}&zmax={grid.max_zoom}&tilePixelRatio={grid.scale}"
     return uri + _authenticated(name, known)
 
 
 def _authenticated(name: str, known: Connection | None) -> str:
-    """Authentication in a layer's data source: a configuration's id, without secrets."""
+    """Parameters of a layer's data source for authentication: a configuration's id, without secrets; and a referer."""
     authcfg = authcfg_of_requests(name) if known is None else known.authcfg
     referer = "" if known is None else known.headers.get("Referer", "")
     known_by = f"&authcfg={authcfg}" if authcfg else ""

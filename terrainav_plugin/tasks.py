@@ -1,12 +1,12 @@
 """Work off the main thread: QGIS tasks, Python threads, and the latest of several requests.
 
-pyproj (3.5 to 3.7 at least) holds a thread's PROJ context twice: a thread-local variable points to it, and Python's
-thread-local storage owns it. On a thread that Python did not create, this storage is cleared whenever a call into
-Python returns, while the variable stays: the next call on the same thread of QGIS's pool uses a freed context and
+pyproj (3.5 to 3.7 at least) refers to a thread's PROJ context twice: a thread-local variable points to the context, and
+Python's thread-local storage owns it. On a thread that Python did not create, the storage is cleared whenever a call
+into Python returns, but the variable is not: the next call on the same thread of QGIS's pool uses a freed context and
 crashes QGIS.
 
-QGIS itself (3.22 to 3.44) shares a CRS between threads as the first of them read it, and the projection dies with that
-thread: transformations from this CRS then return coordinates unchanged until QGIS is restarted.
+QGIS itself (3.22 to 3.44) caches a CRS for all threads when the first thread reads it, and frees its projection when
+that thread ends: transformations from this CRS then return coordinates unchanged until QGIS is restarted.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .compat import TASK_FLAGS
 from .i18n import tr
 
 Result = TypeVar("Result")
-#: CRSs of layers that TerrAInav opens and creates, beside those of the imagery.
+#: CRSs of layers that TerrAInav opens and creates, in addition to the CRS of the imagery.
 CRS_IDS = ("EPSG:3857", "EPSG:4326")
 
 
@@ -36,12 +36,12 @@ class Task(QgsTask):
     Signals
     -------
     ended(object)
-        The task, on the main thread, whatever its end.
+        The task; emitted on the main thread, whether the task succeeded, failed or was cancelled.
 
     Attributes
     ----------
     error : str
-        Why it ended early; empty otherwise.
+        Why the task failed; empty otherwise.
     trace : str
         Traceback of an unexpected error.
     """
@@ -56,16 +56,16 @@ class Task(QgsTask):
         self.trace = ""
 
     def work(self) -> None:
-        """Do the work, off the main thread; raises `Cancelled` if stopped."""
+        """Do the work, off the main thread; raise `Cancelled` if stopped."""
         raise NotImplementedError
 
     def begin(self, ended: Callable[[Any], None]) -> None:
-        """Pass the task to QGIS's task manager; ``ended`` is called with it on the main thread, whatever its end."""
+        """Pass the task to QGIS's task manager; ``ended`` is called with the task, as for the signal `ended`."""
         self.ended.connect(ended)
         QgsApplication.taskManager().addTask(self)
 
     def report_progress(self, share: float) -> bool:
-        """Report the share done, 0 to 1; returns whether to continue."""
+        """Report the share done, 0 to 1, and return whether to continue."""
         self.setProgress(100.0 * share)
         return not self.isCanceled()
 
@@ -75,11 +75,11 @@ class Task(QgsTask):
         self.cancel()
 
     def run(self) -> bool:
-        """Run `work`; keep its error, which ends the task."""
+        """Run `work`, and keep its error."""
         try:
             on_python_thread(self.work)
         except Cancelled:
-            # Cancelled by the user: QGIS would report a failure.
+            # Return True, as QGIS would report a failure although the user has cancelled.
             return True
         except TerrAInavError as wrong:
             self.error = Message(wrong)
@@ -90,13 +90,13 @@ class Task(QgsTask):
 
     def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
         """Emit `ended`, on the main thread."""
-        # QGIS adds a notice right after this, which would cover the plugin's.
+        # Right after this, QGIS adds a notice, which would cover the plugin's message.
         QTimer.singleShot(0, partial(withdraw_notice, self.description()))
         self.ended.emit(self)
 
 
 def withdraw_notice(description: str) -> None:
-    """Remove QGIS's "Task complete" of a task, cancelled or not: before 3.26 no flag suppresses it."""
+    """Remove QGIS's notice of the end of a task, which no flag suppresses before QGIS 3.26."""
     from qgis.utils import iface
 
     if iface is None:
@@ -109,9 +109,9 @@ def withdraw_notice(description: str) -> None:
 
 
 class LatestWorker(QObject):
-    """Do one piece of work at a time on a thread: the latest request wins.
+    """Do one piece of work at a time on a thread; only the latest request counts.
 
-    Overtaken work is dropped: not begun if it is still waiting, its answer or error ignored otherwise.
+    Earlier requests are overtaken: if still waiting, they are not begun; otherwise their answer or error is ignored.
 
     Parameters
     ----------
@@ -132,17 +132,17 @@ class LatestWorker(QObject):
         self._latest = self._open = 0
         self._closed = False
         self._pool = ThreadPoolExecutor(1, thread_name_prefix=f"terrainav-{name}")
-        # Emitted on the worker's thread, received on this object's.
+        # The signal is emitted on the worker's thread and received on the thread of this object.
         self._finished.connect(self._deliver)
 
     @property
     def closed(self) -> bool:
-        """Whether the worker is closed: work under way may stop."""
+        """Whether the worker is closed, so that current work may stop."""
         return self._closed
 
     @property
     def busy(self) -> bool:
-        """Whether work is under way or waiting, overtaken or not."""
+        """Whether work is under way or waiting, even if overtaken."""
         return self._open > 0
 
     def ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
@@ -151,7 +151,7 @@ class LatestWorker(QObject):
         Parameters
         ----------
         work : callable
-            Called on the worker's thread with a function that returns whether the request is overtaken.
+            Called on the worker's thread; takes a function that returns whether the request is overtaken.
         answer : callable
             Called with the result of the work, on the caller's thread.
         """
@@ -167,11 +167,11 @@ class LatestWorker(QObject):
         )
 
     def forget(self) -> None:
-        """Overtake whatever has been requested."""
+        """Make all requests so far overtaken."""
         self._latest += 1
 
     def close(self) -> None:
-        """End the thread; gives no more answers."""
+        """End the thread, and deliver no more answers."""
         self.forget()
         self._closed = True
         self._pool.shutdown(wait=True, cancel_futures=True)
@@ -188,7 +188,7 @@ class LatestWorker(QObject):
 
 
 def failure_reason(error: BaseException) -> str:
-    """Why work has failed: the message of an expected error, the representation of others."""
+    """Why work has failed: the message of an expected error, or the representation of another error."""
     return Message(error) if isinstance(error, TerrAInavError) else repr(error)
 
 
@@ -202,7 +202,7 @@ def single_shot(act: Callable[[], None], parent: QObject, pause_ms: int = 0) -> 
 
 
 class PythonThread(Generic[Result]):
-    """A Python thread that starts some work at once, and its result."""
+    """A Python thread that begins work at once, and keeps the result."""
 
     def __init__(self, work: Callable[[], Result], name: str) -> None:
         self._results: list[Result] = []
@@ -212,7 +212,7 @@ class PythonThread(Generic[Result]):
 
     @property
     def works(self) -> bool:
-        """Whether the work is under way."""
+        """Whether the thread is still working."""
         return self._thread.is_alive()
 
     def wait(self) -> None:
@@ -220,10 +220,10 @@ class PythonThread(Generic[Result]):
         self._thread.join()
 
     def result(self) -> Result:
-        """Wait, and return the result or raise the error; once."""
+        """Wait, and return the result or raise the error; call only once."""
         self.wait()
         if self._failures:
-            # Only the exception under way may hold this: its traceback refers to objects of the main thread.
+            # Keep no reference to the exception, as its traceback refers to objects of the main thread.
             raise self._failures.pop()
         return self._results.pop()
 
@@ -235,7 +235,7 @@ class PythonThread(Generic[Result]):
 
 
 def crs_named(text: str) -> QgsCoordinateReferenceSystem:
-    """CRS of a code or WKT; see above: read it first on the main thread."""
+    """CRS of a code or WKT; it must be read on the main thread first (see the module's text)."""
     if text.count(":") == 1 and "[" not in text:
         return QgsCoordinateReferenceSystem(text)
     return QgsCoordinateReferenceSystem.fromWkt(text)
@@ -249,13 +249,13 @@ def required_crs(crs: QgsCoordinateReferenceSystem, layer_name: str) -> QgsCoord
 
 
 def hold_crs() -> None:
-    """Read the CRSs of TerrAInav's layers on the main thread before another thread does."""
+    """Read the CRSs of TerrAInav's layers, to be called on the main thread before another thread does."""
     for identifier in CRS_IDS:
         QgsCoordinateReferenceSystem(identifier)
 
 
 def read_crs_on_main_thread(text: str) -> bool:
-    """Have the main thread read a CRS (a code or WKT) before this one; False if it did not in time."""
+    """Let the main thread read a CRS (a code or WKT) before this thread does; False if it did not in time."""
     if text in CRS_IDS:
         return True
     if QThread.currentThread() == QgsApplication.instance().thread():
@@ -265,7 +265,7 @@ def read_crs_on_main_thread(text: str) -> bool:
 
 
 class _Reading(QObject):
-    """A CRS for the main thread to read as soon as it can."""
+    """A CRS that the main thread is to read as soon as it can."""
 
     _asked = pyqtSignal()
 
@@ -277,9 +277,9 @@ class _Reading(QObject):
         self._asked.connect(self._read, Qt.ConnectionType.QueuedConnection)
 
     def wait(self) -> bool:
-        """Wait, but no longer than a user would: the main thread may wait for this one."""
+        """Wait for the main thread to read the CRS, and return whether it has."""
         self._asked.emit()
-        # Wait up to 3 s for the main thread to read the CRS.
+        # Not longer than 3 s, as the main thread may be waiting for this thread.
         return self._read_there.wait(3.0)
 
     @pyqtSlot()
@@ -294,7 +294,7 @@ def is_foreign() -> bool:
 
 
 def on_python_thread(work: Callable[[], Result]) -> Result:
-    """Result of ``work``, run on this thread if Python created it, and otherwise on a new Python thread."""
+    """Run ``work`` on this thread if Python created the thread, otherwise on a new Python thread; return its result."""
     if not is_foreign():
         return work()
     return PythonThread(work, "terrainav-task").result()

@@ -1,4 +1,4 @@
-"""Lengths, areas and durations as text, in metric units or in feet and related units."""
+"""Texts of lengths, areas and durations, in metric units or in feet and related units."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .i18n import number_text, tr, translate
 
 METRES, FEET = "m", "ft"
 _FT_PER_MILE, _INCHES_PER_FT = 5280.0, 12.0
-#: International acre and square mile.
+#: Sizes of the international acre and of the square mile.
 _M2_PER_ACRE, _ACRES_PER_SQ_MI = 4046.8564224, 640.0
 
 
@@ -24,7 +24,7 @@ def length_text(value_m: float, unit: str) -> str:
 
 
 def gsd_text(value_m: float, unit: str) -> str:
-    """Ground sample distance; with feet, in inches up to a mile."""
+    """Text of a ground sample distance; with feet, in inches up to 440 ft."""
     if unit != FEET:
         return translate(metric_length_text(value_m))
     inches = value_m / M_PER_FT * _INCHES_PER_FT
@@ -44,7 +44,7 @@ def area_text(value_m2: float, unit: str) -> str:
 
 
 def duration_text(seconds: float) -> str:
-    """Return seconds, minutes or hours in words."""
+    """Text of a duration in seconds, minutes or hours."""
     if seconds < 90.0:
         return tr("{count} s").format(count=max(round(seconds), 1))
     if seconds < 5400.0:

@@ -1,4 +1,4 @@
-"""Widgets of forms, and the messages at their fields."""
+"""Widgets of forms, and messages at their fields."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ from .plain import plain_label, shown_plain
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, distinct to colour-blind people.
 WRONG_COLOUR = "#D55E00"
 _WRONG = "terrainavWrong"
-#: Entries with room beside them for a message.
+#: Property of entries that have a label for their message.
 _BESIDE = "terrainavBeside"
 STYLE_SHEET = f"""
 QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
@@ -69,7 +69,7 @@ QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
 QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 QLabel[terrainavMark="true"]:disabled {{ color: palette(mid); }}
 """
-#: Characters of a formula that an entry evaluates.
+#: Text of a formula that a number entry evaluates.
 _SUM = re.compile(r"[-+*/^().\d\s]{3,100}")
 #: A text with an underlined letter, and a function that sets its text.
 _Text = tuple[str, Callable[[str], None]]
@@ -78,7 +78,7 @@ _Box = TypeVar("_Box", bound="NumberBox")
 
 
 def named(widget: _Made, name: str, tip: str = "") -> _Made:
-    """Set a widget's object name and tooltip; returns it."""
+    """Set the object name and tooltip of a widget, and return the widget."""
     widget.setObjectName(name)
     widget.setToolTip(tip)
     return widget
@@ -87,7 +87,7 @@ def named(widget: _Made, name: str, tip: str = "") -> _Made:
 def box_contents(box: QgsCollapsibleGroupBoxBasic) -> QWidget:
     """Widget for the contents of a group box.
 
-    Unfolding a group shows all of its direct children, including those to stay hidden.
+    The entries must not be direct children of the group: unfolding shows all of these, also those to stay hidden.
     """
     contents = QWidget(box)
     around = QVBoxLayout(box)
@@ -100,7 +100,7 @@ def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
     """Form layout for a group box."""
     form = growing_form(box_contents(box))
     form.setVerticalSpacing(4)
-    # With a large font, a label goes above its entry if both do not fit.
+    # With a large font, put a label above its entry if both do not fit in a row.
     form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
     return form
 
@@ -129,7 +129,7 @@ def scrolled(contents: QWidget) -> QScrollArea:
 
 
 def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:
-    """Widgets side by side; those numbered in ``stretch`` share the room left."""
+    """Widgets side by side; those with an index in ``stretch`` share the remaining room."""
     holder = QWidget()
     layout = QHBoxLayout(holder)
     layout.setContentsMargins(0, 0, 0, 0)
@@ -149,14 +149,14 @@ def wrapped_label(name: str) -> QLabel:
 
 
 def push_button(name: str, text: str, tip: str, image: QIcon | None = None) -> QPushButton:
-    """Button that Enter in another entry does not press."""
+    """Button that is not pressed by Enter in another entry."""
     made = named(QPushButton(text) if image is None else QPushButton(image, text), name, tip)
     made.setAutoDefault(False)
     return made
 
 
 def tool_button(name: str, image: QIcon, tip: str, text: str = "") -> QToolButton:
-    """Button with an image and, if given, a text beside it."""
+    """Button with an image and, if given, a text next to it."""
     made = named(QToolButton(), name, tip)
     made.setIcon(image)
     if text:
@@ -173,9 +173,9 @@ def line_edit(name: str, tip: str, placeholder: str = "") -> QLineEdit:
 
 
 class ShortLine(QLineEdit):
-    """Text entry that shows a shortened text, and keeps the whole until it is edited.
+    """Text entry that shows a shortened text, and keeps the whole text until the user edits it.
 
-    If not all of it is visible, the tooltip begins with it.
+    If the whole text is not visible, the tooltip begins with it.
 
     Parameters
     ----------
@@ -191,17 +191,17 @@ class ShortLine(QLineEdit):
         self.textChanged.connect(self._show_tip)
 
     def setToolTip(self, tip: str) -> None:
-        """Set the tooltip, after the text if that is cut."""
+        """Set the tooltip, which the whole text precedes if it is not visible."""
         self._tip = tip
         self._show_tip()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Shorten what was typed."""
+        """Show the beginning of the text."""
         super().focusOutEvent(event)
         self.setCursorPosition(0)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Update the tooltip: the text may be cut now."""
+        """Update the tooltip, as the text may no longer be visible."""
         super().resizeEvent(event)
         self._show_tip()
 
@@ -210,12 +210,12 @@ class ShortLine(QLineEdit):
         return self._whole if self._whole and self.text() == self._shown else self.text()
 
     def enter(self, text: str) -> None:
-        """Enter a text; if it is already entered, keep it as typed."""
+        """Enter a text; if it is already entered, leave it as typed."""
         if text == self.whole():
             return
         self._whole, self._shown = text, self._shorten(text)
         self.setText(self._shown)
-        # Show the first digits of long numbers.
+        # Show the beginning of the text, such as the first digits of a long number.
         self.setCursorPosition(0)
 
     def _forget(self) -> None:
@@ -226,22 +226,21 @@ class ShortLine(QLineEdit):
         option = QStyleOptionFrame()
         self.initStyleOption(option)
         room = self.style().subElementRect(QStyle.SubElement.SE_LineEditContents, option, self).width()
-        # Qt leaves two pixels on either side of the text, and one for the cursor.
-        # An entry leaves 5 px free beside its text.
+        # Qt leaves 5 px free: two on each side of the text, and one for the cursor.
         is_cut = self.fontMetrics().horizontalAdvance(text[:10_000]) > room - 5
         begins = f"{whole[:200]}\n" if whole != text or is_cut else ""
         super().setToolTip(shown_plain(begins + self._tip))
 
 
 class ElidedLabel(QLabel):
-    """A line that is elided in a narrow panel; the tooltip has all of it.
+    """A line of text that is elided if it does not fit; the tooltip has the whole text.
 
     Parameters
     ----------
     mode : Qt.TextElideMode
-        Where it is elided.
+        Where the text is elided.
     least : int
-        Characters that always fit.
+        Number of characters that always fit.
     """
 
     def __init__(self, mode: Qt.TextElideMode, least: int) -> None:
@@ -275,7 +274,7 @@ def folder_entry(name: str, title: str, tip: str) -> QgsFileWidget:
     made = named(QgsFileWidget(), name, tip)
     made.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
     made.setDialogTitle(title)
-    # A label's key focuses the text entry.
+    # The mnemonic of a label moves the focus to the text entry.
     made.setFocusProxy(made.lineEdit())
     return made
 
@@ -290,7 +289,7 @@ def ok_and_cancel(dialog: QDialog) -> QDialogButtonBox:
 
 
 def first_problem(form: QWidget) -> str:
-    """Problem of the first invalid number box, which is focused; empty if all are valid."""
+    """Problem of the first invalid number box, which gets the focus; empty if all are valid."""
     for box in form.findChildren(NumberBox):
         if box.isEnabled() and box.isVisibleTo(form) and box.problem():
             box.setFocus()
@@ -300,14 +299,14 @@ def first_problem(form: QWidget) -> str:
 
 
 class Chooser(QComboBox):
-    """A combo box that the mouse wheel changes only while focused: otherwise the panel scrolls."""
+    """A combo box that the mouse wheel changes only while it has the focus; otherwise the wheel scrolls the panel."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Change the choice, or leave the wheel to the panel."""
+        """Change the choice if the box has the focus; otherwise leave the wheel to the panel."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
@@ -330,19 +329,19 @@ def tick(name: str, text: str, tip: str) -> QCheckBox:
 
 
 class NumberBox(QgsDoubleSpinBox):
-    """A spin box that accepts any text while typing, and shows no superfluous zeros.
+    """A spin box that accepts any text, and shows no superfluous zeros.
 
-    A text that is not a number of the range stays visible and is reported: it is neither read nor replaced.
+    A text that is not a number in the range stays visible and is reported; it is neither read nor replaced.
 
     Signals
     -------
     judged()
-        The text becomes invalid, another invalid text, or valid.
+        The text has become valid or invalid, or another invalid text.
 
     Attributes
     ----------
     times : float
-        Factor from the value in the form's state to that shown: 100 for a share in percent.
+        Factor from the value in the form's state to the value shown: 100 for a share in percent.
     is_optional : bool
         Whether the least value stands for "not set".
     """
@@ -350,26 +349,26 @@ class NumberBox(QgsDoubleSpinBox):
     judged = pyqtSignal()
     times: float = 1.0
     is_optional: bool = False
-    #: While the box is set up or a number is entered, its text was not typed.
+    #: Whether a change of the text is the user's; False while the box is set up, or a number is entered.
     _is_typed_into: bool = False
 
     def __init__(self) -> None:
         super().__init__()
         self._judged: str | None = None
-        #: Text checked last, and the result: forms read all their entries at every key.
+        #: Text checked last, and the result, as forms read all their entries at every key.
         self._checked_features: tuple[str, str | None] = ("", None)
         self._is_typed_into = True
         self.lineEdit().textChanged.connect(self._judge)
         self.editingFinished.connect(self.say_problem)
 
     def allow_unset(self, below: float) -> None:
-        """Let a value below the range stand for "not set", shown as such."""
+        """Let the value ``below`` the range stand for "not set", and show it as such."""
         self.is_optional = True
         self.setMinimum(below)
         self.setSpecialValueText(tr("not set"))
 
     def unread(self) -> str | None:
-        """Return the text if it is not a number of the range; None otherwise."""
+        """Return the text if it is not a number in the range; None otherwise."""
         if not self._is_typed_into:
             return None
         shown = self.lineEdit().text()
@@ -379,7 +378,7 @@ class NumberBox(QgsDoubleSpinBox):
         return self._checked_features[1]
 
     def problem(self) -> str:
-        """Return what is wrong with the text; empty if it is a number of the range."""
+        """Return why the text is invalid; empty if it is a number in the range."""
         text = self.unread()
         if text is None:
             return ""
@@ -397,7 +396,7 @@ class NumberBox(QgsDoubleSpinBox):
         return right.format(text=text, least=least, most=most)
 
     def say_problem(self) -> None:
-        """Show the problem in a tooltip, for forms without room beside the entry."""
+        """Show the problem in a tooltip, if the entry has no label for messages."""
         if self.problem() and not self.property(_BESIDE):
             QToolTip.showText(self.mapToGlobal(QPoint(0, self.height())), shown_plain(self.problem()), self)
 
@@ -405,13 +404,13 @@ class NumberBox(QgsDoubleSpinBox):
         """Accept any text."""
         if position:
             return QValidator.State.Acceptable, text, *position
-        # QGIS passes no position but expects one: the cursor is after the prefix that Qt inserts before the text typed.
+        # QGIS passes no position but expects one: that of the cursor, after a prefix that Qt will insert.
         line = self.lineEdit()
         before = 0 if line.text().startswith(self.prefix()) else len(self.prefix())
         return QValidator.State.Acceptable, line.cursorPosition() + before
 
     def setValue(self, value: float) -> None:
-        """Set a number, replacing what was typed."""
+        """Set a number, in place of any text typed."""
         with self._entering():
             super().setValue(value)
 
@@ -430,7 +429,7 @@ class NumberBox(QgsDoubleSpinBox):
         return text.rstrip("0").rstrip(point) if point in text else text
 
     def valueFromText(self, text: str) -> float:
-        """Number of a text; the last number if it is invalid, unless that stands for "not set"."""
+        """Number of a text; if it is invalid, the last number, or a number other than "not set" if that was shown."""
         value = self._read(self._typed(text))
         if value is not None:
             return value
@@ -438,24 +437,24 @@ class NumberBox(QgsDoubleSpinBox):
         return self.minimum() + 1.0 if left_out else self.value()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Step only while the box is focused: otherwise the panel scrolls."""
+        """Step if the box has the focus; otherwise leave the wheel to the panel."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
             event.ignore()
 
     def number(self) -> float | int | None:
-        """Number entered, an int if there are no decimals; None if not set."""
+        """Entered number, an int if the box has no decimals; None if not set."""
         if self.is_optional and (self.value() == self.minimum() or self.unread() is not None):
             return None
         return self.value() / self.times if self.decimals() else int(self.value())
 
     def enter(self, number: float | None) -> None:
-        """Enter a number as `number` returns it, rounded to the decimals of the box and to readable digits."""
+        """Enter a number such as `number` returns, rounded to the decimals of the box and to readable digits."""
         self.setValue(self.minimum() if number is None else short_number(number * self.times))
 
     def _typed(self, text: str) -> str:
-        """Text without prefix and suffix, and without a unit that was typed."""
+        """Text without prefix and suffix, and without a unit typed in addition."""
         prefix, suffix = self.prefix().strip(), self.suffix().strip()
         text = text.strip().removeprefix(prefix).removesuffix(suffix).strip()
         return text.removesuffix(suffix).strip()
@@ -466,7 +465,7 @@ class NumberBox(QgsDoubleSpinBox):
             return self.minimum()
         value = self._number(text)
         if value is not None and self.decimals():
-            # Digits that are not shown do not count.
+            # Digits that are not shown do not count for the range.
             value = round(value, self.decimals())
         if value is None or not self.minimum() <= value <= self.maximum():
             return None
@@ -476,7 +475,7 @@ class NumberBox(QgsDoubleSpinBox):
     def _number(self, text: str) -> float | None:
         """Number of a text, or the value of a formula; None if it is neither."""
         if not self.locale().numberOptions() & QLocale.NumberOption.OmitGroupSeparator:
-            # Remove group separators, which QGIS also shows.
+            # The locale also reads group separators, which QGIS shows.
             value, is_number = self.locale().toDouble(text)
             if is_number:
                 return value
@@ -513,7 +512,7 @@ class WholeBox(NumberBox):
 
 
 def _result(text: str) -> float | None:
-    """Value of a formula, as QGIS evaluates it; None if it has none."""
+    """Value of a formula, evaluated by QGIS; None if it has no value."""
     from qgis.core import QgsExpression
 
     value = QgsExpression(text).evaluate()
@@ -522,7 +521,7 @@ def _result(text: str) -> float | None:
 
 def short_number(value: float) -> float:
     """Number rounded to readable digits if it has more decimals than people type: 330.26666… becomes 330.27."""
-    # Up to 6 decimals may have been typed; others show 5 significant digits.
+    # Numbers of up to 6 decimals may have been typed; round others to 5 significant digits.
     if not math.isfinite(value) or round(value, 6) == value:
         return value
     before = math.floor(math.log10(abs(value))) + 1
@@ -545,7 +544,7 @@ def whole_spin(name: str, least: int, most: int, tip: str) -> WholeBox:
 def _number_box(made: _Box, least: float, most: float, decimals: int) -> _Box:
     made.setDecimals(decimals)
     made.setRange(least, most)
-    # Show a number from the start: an empty text would count as typed.
+    # Show a number from the start, as an empty text would count as typed.
     made.setValue(made.value())
     made.setShowClearButton(False)
     made.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -553,12 +552,12 @@ def _number_box(made: _Box, least: float, most: float, decimals: int) -> _Box:
 
 
 def choose(combo: QComboBox, value: object) -> None:
-    """Select the item with this data, or the first if it is unknown."""
+    """Select the item with the data ``value``; the first item if there is none."""
     combo.setCurrentIndex(max(combo.findData(value), 0))
 
 
 class FieldMessage(QLabel):
-    """Text as high as its lines; nested layouts do not ask for the height."""
+    """Wrapped text that sets its own minimum height, as nested layouts do not ask for the height at a width."""
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fit the height to the lines at this width."""
@@ -568,7 +567,7 @@ class FieldMessage(QLabel):
     def say(self, text: str) -> None:
         """Set the text; hidden if empty."""
         self.setTextFormat(Qt.TextFormat.PlainText)
-        # A few lines below a field.
+        # Shorten it to a few lines below the field.
         self.setText(shortened(text, 1000))
         self.setVisible(bool(text))
         self._fit()
@@ -578,27 +577,27 @@ class FieldMessage(QLabel):
 
 
 class FieldMarks:
-    """The named fields of a form; marks those with bad values, and shows why below them."""
+    """The named fields of a form; marks fields with invalid values, and shows messages below them."""
 
     def __init__(self) -> None:
         self._fields: dict[str, tuple[QWidget, FieldMessage]] = {}
 
     def field(self, name: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
-        """Widget for a layout: ``shown``, or ``widget`` itself, above the label for its message."""
+        """Widget for a layout: ``shown`` (by default ``widget``) above the label for the field's message."""
         holder = QWidget()
         layout = QVBoxLayout(holder)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(shown or widget)
         layout.addWidget(self.label(name, widget))
-        # Qt gives a label's key only to widgets that take the keyboard focus; Tab skips those with a proxy. Set the
-        # policy before the proxy, which would get it too.
+        # Let the holder take the focus, as Qt requires for a label's mnemonic; Tab skips widgets with a proxy. Set the
+        # policy before the proxy, to which Qt would pass it on.
         holder.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         holder.setFocusProxy(shown or widget)
         return holder
 
     def label(self, name: str, widget: QWidget) -> FieldMessage:
-        """Label for the message of a field, if it cannot be right below it."""
+        """Label for the message of a field, for layouts in which it is not directly below the field."""
         label = named(FieldMessage(), f"{name}_message")
         label.setProperty("terrainavMark", "true")
         label.setWordWrap(True)
@@ -620,11 +619,11 @@ class FieldMarks:
         return self._fields[name][1].text()
 
     def hidden(self) -> tuple[str, ...]:
-        """Fields whose rows are hidden, apart from folding."""
+        """Fields whose rows are hidden, other than by folding a group."""
         return tuple(name for name, (_, label) in self._fields.items() if _is_hidden(label.parentWidget()))
 
     def hidden_messages(self, messages: dict[str, str]) -> str:
-        """Messages at hidden fields, as one text."""
+        """Messages for hidden and unknown fields, as one text."""
         hidden = self.hidden()
         texts = (text for name, text in messages.items() if name not in self._fields or name in hidden)
         return "\n".join(texts)
@@ -639,7 +638,7 @@ class FieldMarks:
 
 
 def remove_menu_mnemonics(panel: QWidget, menus: QMenuBar) -> None:
-    """Remove a panel's mnemonics that open a menu (plugins and languages add some) or appear twice."""
+    """Remove a panel's mnemonics that open a menu of the window, or that appear twice."""
     taken = {mnemonic_key(action.text()) for action in menus.actions() if action.isVisible()}
     for text, change in list(_texts(panel)):
         letter = mnemonic_key(text)
@@ -649,10 +648,10 @@ def remove_menu_mnemonics(panel: QWidget, menus: QMenuBar) -> None:
 
 
 def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int, int]) -> None:
-    """Add a dock widget floating over the map's corner, within the screen."""
+    """Add a dock widget that floats over a corner of the map, within the screen."""
     window = iface.mainWindow()
     remove_menu_mnemonics(panel, window.menuBar())
-    # Float it before adding: a wide one would permanently widen the panels beside it.
+    # Float the widget before adding it, as a wide one would permanently widen the docked panels.
     panel.setParent(window)
     panel.setFloating(True)
     iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, panel)
@@ -661,12 +660,12 @@ def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int,
     screen = window.screen().availableGeometry()
     wide, high = min(size_px[0], screen.width()), min(size_px[1], screen.height())
     left = max(min(corner.x(), screen.right() - wide), screen.left())
-    # Room for the title bar.
+    # Leave room for the title bar.
     panel.setGeometry(left, max(min(corner.y(), screen.bottom() - high), screen.top()), wide, high)
 
 
 def add_docked(panel: QgsDockWidget, iface: QgisInterface, beside: str) -> None:
-    """Add a dock widget to those on the right, as a tab on the one named ``beside``."""
+    """Add a dock widget on the right, as a tab next to the dock widget named ``beside``."""
     window = iface.mainWindow()
     remove_menu_mnemonics(panel, window.menuBar())
     iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, panel)
@@ -678,12 +677,12 @@ def add_docked(panel: QgsDockWidget, iface: QgisInterface, beside: str) -> None:
 
 
 def mnemonic_key(text: str) -> str:
-    """Shortcut of a text's underlined letter, as ``Alt+F``; empty if it has none."""
+    """Shortcut of the underlined letter in a text, such as ``Alt+F``; empty if there is none."""
     return QKeySequence.mnemonic(text).toString()
 
 
 def _is_hidden(part: QWidget) -> bool:
-    """Whether a widget of a form, or a parent, is hidden, other than by folding its group."""
+    """Whether a widget of a form, or one of its parents, is hidden other than by folding its group."""
     around = part.parentWidget()
     while around is not None and not isinstance(around, QgsCollapsibleGroupBoxBasic):
         if part.isHidden():
@@ -695,7 +694,7 @@ def _is_hidden(part: QWidget) -> bool:
 def _mark(widget: QWidget, wrong: bool) -> None:
     widget.setProperty(_WRONG, "true" if wrong else "")
     if isinstance(widget, QAbstractSpinBox):
-        # A border by style sheet would spoil the arrows.
+        # By palette, as a border by style sheet would spoil the arrows.
         palette = QPalette()
         if wrong:
             palette.setColor(QPalette.ColorRole.Base, _tinted(palette.color(QPalette.ColorRole.Base)))
@@ -707,7 +706,7 @@ def _mark(widget: QWidget, wrong: bool) -> None:
 
 
 def _tinted(base: QColor) -> QColor:
-    """A theme's colour blended with that of errors."""
+    """A colour of the theme, blended with the colour of errors."""
     wrong = QColor(WRONG_COLOUR)
     parts = zip(base.getRgb()[:3], wrong.getRgb()[:3])
     return QColor(*(round(0.7 * own + 0.3 * other) for own, other in parts))

@@ -1,4 +1,4 @@
-"""Background imagery: the source entered, shown around the area."""
+"""Background imagery: the entered source, shown around the area."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ if TYPE_CHECKING:
     from ..messages import Messages
 
 _BACKGROUND = "background"
-#: Most pixels of an image: a few seconds of drawing, and sharper than the screen until zoomed in twofold.
+#: Largest number of pixels of an image: drawn in a few seconds, and sharp on the screen up to a twofold zoom.
 _MOST_PX = 20_000_000
-#: Margin around the area zoomed to, as a share of it.
+#: Size of the view when zooming to an area, in sizes of the area.
 _ROOM = 1.2
 
 
 class SourceOnMap(QObject):
-    """Show sources as background; the embedded world is drawn first, on a task manager's thread.
+    """Show sources as background; an image of the synthetic world is first drawn in a task.
 
     Parameters
     ----------
@@ -54,12 +54,12 @@ class SourceOnMap(QObject):
     read : callable
         Returns the state of the form.
     title : callable
-        Returns the title of the source entered.
+        Returns the title of the entered source.
 
     Signals
     -------
     drawing(bool)
-        Whether the embedded world is being drawn.
+        Whether the synthetic world is being drawn.
     """
 
     drawing = pyqtSignal(bool)
@@ -80,7 +80,7 @@ class SourceOnMap(QObject):
         self._coarse: Callable[[], None] = lambda: None
 
     def show(self, then: Callable[[], None] | None = None) -> None:
-        """Show the source entered and zoom to the area; ``then`` is called once it is shown, or fails."""
+        """Show the entered source and zoom to the area; call ``then`` once the source is shown, or has failed."""
         state = self._read()
         area, seen = mission_form.box(state), self._background.visible_box()
         map_type = state.map_types[0] if state.map_types else "satellite"
@@ -109,7 +109,7 @@ class SourceOnMap(QObject):
             self._task = None
 
     def _show_world(self, box: Box, map_type: str, seed: int, stay: bool) -> None:
-        """Draw and show the embedded world around a box, and zoom there unless ``stay``."""
+        """Draw and show the synthetic world around a box, and zoom there unless ``stay``."""
         if self._task is not None:
             return
         folder = Settings().backgrounds
@@ -134,7 +134,7 @@ class SourceOnMap(QObject):
             return
         self._task = task
         self.drawing.emit(True)
-        # A bound method of an object of the main thread, so that it is called there.
+        # Connect a bound method of an object of the main thread, so that it is called on that thread.
         self._coarse = lambda: self._show_image(task.coarse, folder, title)
         task.coarse_drawn.connect(self._show_coarse)
         task.begin(show)
@@ -144,7 +144,7 @@ class SourceOnMap(QObject):
             self._coarse()
 
     def _show_image(self, picture: WorldPicture, folder: Path, title: str) -> None:
-        """Show an image of the embedded world; the first one moves the map and starts pending work."""
+        """Show an image of the synthetic world; the first one moves the map, and pending work begins."""
         begin, self._begin = self._begin, None
         try:
             self._background.show_picture(picture, folder, title)
@@ -155,14 +155,14 @@ class SourceOnMap(QObject):
         self._finish()
 
     def _finish(self) -> None:
-        """Do the pending work, now that the map shows something."""
+        """Do the pending work, once the map shows something."""
         then, self._then = self._then, None
         if then is not None:
             then()
 
 
 class WorldTask(Task):
-    """Render an image of the embedded world: first a coarse one, quickly, then the fine one.
+    """Draw an image of the synthetic world: first a coarse one, quickly, then the fine one.
 
     Signals
     -------
@@ -183,7 +183,7 @@ class WorldTask(Task):
         return self._folder / self.picture.file_name
 
     def work(self) -> None:
-        """Render."""
+        """Draw the images."""
         if self.coarse != self.picture:
             if not (self._folder / self.coarse.file_name).is_file():
                 render(self.coarse, self._folder / self.coarse.file_name, lambda _: not self.isCanceled())
@@ -198,12 +198,12 @@ class WorldTask(Task):
 
 
 class Background:
-    """Add sources below all layers of the project; at most one layer per source."""
+    """Add sources below all layers of the project, at most one layer per source."""
 
     def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
         self._project = project
         self._canvas = iface.mapCanvas()
-        #: A zoom to do once the map has a layer, with the layer's id.
+        #: Id of a layer, and a function that zooms, to be called once the map has the layer.
         self._waiting: tuple[str, Callable[[], None]] | None = None
         self._bridge = iface.layerTreeCanvasBridge()
         self._bridge.canvasLayersChanged.connect(self._settled)
@@ -214,12 +214,12 @@ class Background:
         self._waiting = None
 
     def world_task(self, box: Box | None, map_type: str, seed: int, folder: Path) -> WorldTask | None:
-        """Task that draws the embedded world around a box; None if its image exists."""
+        """Task that draws the synthetic world around a box; None if the image exists."""
         picture = choose_picture(box, map_type, seed)
         return None if (folder / picture.file_name).is_file() else WorldTask(picture, folder)
 
     def show_picture(self, picture: WorldPicture, folder: Path, title: str) -> QgsRasterLayer:
-        """Show an existing image of the embedded world."""
+        """Show an existing image of the synthetic world."""
         return self._show(str(folder / picture.file_name), "gdal", title, WORLD)
 
     def show_tiles(self, source: str, map_type: str, title: str, date: str = "") -> QgsRasterLayer:
@@ -231,7 +231,7 @@ class Background:
         return self._show(name_for_gdal(path), "gdal", title, path)
 
     def zoom_to_box(self, box: Box | None) -> None:
-        """Zoom to a box, or to everything; raises InvalidInput outside the domain of the project's CRS."""
+        """Zoom to a box; None zooms to all layers. Raises InvalidInput outside the domain of the project's CRS."""
         if box is None:
             self._when_settled(self._canvas.zoomToFullExtent)
             return
@@ -247,7 +247,7 @@ class Background:
         )
 
     def visible_box(self) -> Box | None:
-        """Box that the map shows; None for an empty map, or if it shows no place on Earth."""
+        """Extent of the map as a box; None if the map is empty or extends beyond the domain of its CRS."""
         if not self._canvas.layers():
             return None
         try:
@@ -260,10 +260,10 @@ class Background:
         return canvas_rectangle(box, self._canvas.mapSettings().destinationCrs(), self._project)
 
     def _when_settled(self, zoom: Callable[[], None]) -> None:
-        """Zoom now or, while the map lacks some of its layers, once it has them.
+        """Zoom now or, if the map does not have the project's layers yet, as soon as it has them.
 
-        With a project's first layer QGIS sets the CRS and zooms to it, a while after the layer was added. What the map
-        still shows of an earlier project does not matter.
+        A while after the first layer is added to a project, QGIS sets the CRS and zooms to the layer. Layers of an
+        earlier project that the map still has do not count.
         """
         there = {layer.id() for layer in self._canvas.layers()}
         coming = [
@@ -281,7 +281,7 @@ class Background:
             return
         wanted, zoom = self._waiting
         node = self._project.layerTreeRoot().findLayer(wanted)
-        # Do not wait for a layer that was removed or hidden meanwhile.
+        # Do not wait for a layer that has been removed or hidden.
         if node is None or not node.isVisible() or wanted in {layer.id() for layer in layers}:
             self._waiting = None
             zoom()
@@ -310,7 +310,7 @@ class Background:
 
 
 class WorldPicture(NamedTuple):
-    """Tiles of the embedded world: columns and rows from ``left, top`` at ``zoom``."""
+    """Image of the synthetic world from tiles: columns and rows from ``left, top`` at ``zoom``."""
 
     map_type: str
     seed: int
@@ -322,14 +322,14 @@ class WorldPicture(NamedTuple):
 
     @property
     def file_name(self) -> str:
-        """Name of the image's file, the same for the same image."""
+        """Name of the image's file, which depends only on the image."""
         return f"synthetic-{'-'.join(str(part) for part in self)}.tif"
 
 
 def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
-    """Tiles around a box at the highest zoom that keeps the image small; the whole world for None.
+    """Tiles around a box, at the highest zoom that keeps the image small; None for the whole world.
 
-    Columns end at the world's edges: of a box across the antimeridian, the wider side is shown.
+    Columns end at the antimeridian: for a box across it, the wider side is shown.
     """
     west, east, north, south = 0.0, 1.0, 0.0, 1.0
     if box is not None:
@@ -341,11 +341,11 @@ def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
             for lat in (box.north_deg, box.south_deg)
         )
         width, height = east - west, south - north
-        # Least ratio of the image's shorter side to its longer.
+        # Least ratio of the shorter side of the image to the longer one.
         narrowest = 0.75
         # Size of the image, in sizes of the area.
         around = 2.0
-        # Show some land even around a small area; world fractions.
+        # Least size in world fractions, to show surroundings of a small area.
         least = 2.0**-16
         half_u = max(width, narrowest * height, least) * around / 2.0
         half_v = max(height, narrowest * width, least) * around / 2.0
@@ -362,8 +362,8 @@ def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
 
 
 def coarser(picture: WorldPicture) -> WorldPicture:
-    """Tiles of a lower zoom around an image: few, and drawn quickly."""
-    # A 64th of the pixels.
+    """Tiles around the same image at a lower zoom, which are drawn quickly."""
+    # Three zooms lower, for a 64th of the pixels.
     steps = min(3, picture.zoom)
     left, top = picture.left >> steps, picture.top >> steps
     right = (picture.left + picture.columns - 1 >> steps) + 1
@@ -377,7 +377,7 @@ def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool])
     Raises
     ------
     Cancelled
-        ``progress``, called with the share done, has returned False.
+        ``progress``, which takes the share done, has returned False.
     OutputError
     """
     make_folder(path.parent)

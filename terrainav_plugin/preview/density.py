@@ -1,4 +1,4 @@
-"""Number of images per place, shown instead of images too many or too small to draw. Runs in the background."""
+"""Number of images per place, shown if images are too many or too small to be drawn. Runs in the background."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Header of a polygon with one closed ring of five points, in well-known binary.
+#: A polygon with one closed ring of five points, in well-known binary.
 _RECTANGLE = np.dtype([("order", "<u1"), ("type", "<u4"), ("rings", "<u4"), ("corners", "<u4"), ("at", "<f8", (5, 2))])
 _LITTLE_ENDIAN, _POLYGON, _MULTI_POLYGON = 1, 3, 6
 
 
 class DensityCells(NamedTuple):
-    """A part of the grid of 2**level by 2**level cells of the world, counted from its south-west corner.
+    """Part of a grid that divides the world into 2**level by 2**level cells, counted from the south-west corner.
 
-    Cells keep their places when the map moves. A last column beyond the world's end is across the antimeridian.
+    Cells stay in place when the map moves. Columns beyond the world's east edge continue across the antimeridian.
     """
 
     level: int
@@ -39,10 +39,10 @@ class DensityCells(NamedTuple):
 
     @classmethod
     def covering(cls, rect: Rect, px_per_m: float) -> DensityCells:
-        """Cells over a part of the world, as fine as is visible."""
-        # Least size of a cell on the screen; the actual size is under twice that.
+        """Cells over a part of the world, as fine as useful on the screen."""
+        # Least size of a cell on the screen; cells are less than twice as large.
         least_px = 8.0
-        # Most cells along a side of the grid.
+        # Largest number of cells along a side.
         most_cells = 400
         width = max(least_px / px_per_m, rect.longer_m / (most_cells - 2))
         world = rect.world
@@ -60,10 +60,9 @@ class DensityCells(NamedTuple):
 
 
 def mean_images(boxes: Rects, cells: DensityCells) -> Floats:
-    """Mean number of rectangles over each cell, exactly; (rows, columns), southernmost row first.
+    """Exact mean number of rectangles over each cell; (rows, columns), southernmost row first.
 
-    The mean, since the number at one place per cell would show moiré between the regular grid of images and that of the
-    cells.
+    The number at a single place of each cell would show moiré between the regular grids of images and cells.
     """
     around, size, world = 1 << cells.level, cells.size_m, cells.world
     # The coverage of rows and columns by a rectangle is the running sum of a few steps at its edges.
@@ -88,7 +87,7 @@ def mean_images(boxes: Rects, cells: DensityCells) -> Floats:
 
 
 def _edge_steps(first: Floats, last: Floats, cells: int) -> list[tuple[Numbers, Floats]]:
-    """Indices and heights of steps whose running sum is the share of each cell between two edges, 0 to ``cells``."""
+    """Indices and heights of steps whose running sum is the share of each of ``cells`` cells between two edges."""
     steps = []
     for edge, sign in ((first, 1.0), (last, -1.0)):
         cell = np.minimum(edge.astype(np.int64), cells - 1)
@@ -98,7 +97,7 @@ def _edge_steps(first: Floats, last: Floats, cells: int) -> list[tuple[Numbers, 
 
 
 def levels(means: Floats) -> Numbers:
-    """Means in integer steps of a quarter, coarser for many images, so that there are few levels."""
+    """Means as integers in quarters, rounded more coarsely for many images, so that there are few levels."""
     quarters = np.rint(4.0 * means)
     # Eight levels per doubling of the number of images, at most a sixth apart.
     step = 2.0 ** np.maximum(np.floor(np.log2(np.maximum(quarters, 1.0))) - 3, 0.0)
@@ -106,10 +105,10 @@ def levels(means: Floats) -> Numbers:
 
 
 def density_features(quarters: Numbers, cells: DensityCells) -> list[QgsFeature]:
-    """One feature for each of the `levels`: all its cells, with neighbours merged."""
+    """One feature for each of the `levels`, with all cells of the level, neighbours merged."""
     padded = np.pad(quarters, ((0, 0), (1, 1)))
     change = padded[:, 1:] != padded[:, :-1]
-    # No cell spans the antimeridian.
+    # Do not merge cells across the antimeridian.
     border = (1 << cells.level) - cells.column
     if cells.world.wraps and 0 < border < cells.columns:
         change[:, border] = True
@@ -120,7 +119,7 @@ def density_features(quarters: Numbers, cells: DensityCells) -> list[QgsFeature]
     row, column, stop, value = row[shown], column[shown], stop[shown], value[shown]
     order = np.lexsort((row, stop, column, value))
     row, column, stop, value = row[order], column[order], stop[order], value[order]
-    # Merge rectangles of equal width above each other: their edges would show as hairlines.
+    # Merge rectangles of equal width above each other, as edges between them would show as hairlines.
     same = (np.diff(value) == 0) & (np.diff(column) == 0) & (np.diff(stop) == 0) & (np.diff(row) == 1)
     first = np.flatnonzero(np.r_[True, ~same][: len(value)])
     tops = np.r_[row[first[1:] - 1], row[-1:]] + 1

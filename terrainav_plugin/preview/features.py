@@ -1,4 +1,4 @@
-"""Captures and flight line of a plan as map features. Runs in the background on plain values."""
+"""Captures and flight line of a plan as map features. Runs in the background."""
 
 from __future__ import annotations
 
@@ -30,36 +30,36 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Flights of up to this many captures are always drawn completely; longer ones with this many corners from afar.
+#: Largest number of captures of flights that are always drawn completely, and of corners of longer flights from afar.
 MOST_CORNERS = 4000
 
 
 class ExposureTimes:
-    """Time of each exposure, and of the next one."""
+    """Times of the exposures of a plan, and until when each image is current."""
 
     def __init__(self, plan: Plan) -> None:
         self.start_ms = utc_ms(plan)
         self.at_ms = self.start_ms + np.round(1000.0 * plan.times_s)
         last = self.at_ms[-1] - self.at_ms[-2] if len(self.at_ms) > 1 else 0.0
-        #: An image is current until the next one; a single one, for a second.
+        #: An image is current until the next one; a single image, for a second.
         self.until_ms = np.append(self.at_ms[1:], self.at_ms[-1] + (last or 1000.0))
 
     def during(self, times_ms: tuple[float, float]) -> tuple[int, int]:
-        """First capture shown in a time range, and the one after the last."""
+        """Index of the first capture shown in a time range, and of the first one after it."""
         begin, end = times_ms
         first = int(np.searchsorted(self.until_ms, begin))
         return first, max(int(np.searchsorted(self.at_ms, end, "right")), first)
 
 
 def utc_ms(plan: Plan) -> float:
-    """First exposure of a plan in milliseconds of Unix time."""
+    """Time of the first exposure of a plan, in milliseconds of Unix time."""
     from ...core.mission.parts import utc_time
 
     return utc_time(plan.direct.start).timestamp() * 1000.0
 
 
 def moment(unix_ms: float) -> QDateTime:
-    """Time in UTC."""
+    """Unix time as a QDateTime in UTC."""
     return QDateTime.fromMSecsSinceEpoch(int(unix_ms), QTimeZone.utc())
 
 
@@ -74,12 +74,12 @@ def feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
 def area_features(plan: Plan) -> list[QgsFeature]:
     """Outline of each polygon of the area, or of the box; empty for points.
 
-    Edges are straight in longitude and latitude, in pieces since other CRSs bend them.
+    Edges are straight in longitude and latitude; they are divided into pieces, as they are curves in other CRSs.
     """
     if plan.mission.kind != "raster":
         return []
     area = plan.mission.area
-    # Pieces of an edge: other CRSs bend parallels and meridians.
+    # Number of pieces of an edge, which is a curve in other CRSs.
     pieces = 64
     share = np.arange(pieces) / pieces
     plane = plan.grid.plane
@@ -97,10 +97,10 @@ def area_features(plan: Plan) -> list[QgsFeature]:
 
 
 class Picked(NamedTuple):
-    """Some captures of a plan, as a plan, with figures of the whole plan.
+    """Some captures of a plan, as a plan, with figures from the whole plan.
 
-    ``overlap`` is the number of planned images that show the middle of each capture, ``crowd`` the number of these
-    captures drawn over its middle, by their bounding rectangles.
+    ``overlap`` is the number of planned images that show the middle of each capture; ``crowd`` is the number of
+    captures in this object whose bounding rectangles contain it.
     """
 
     plan: Plan
@@ -125,7 +125,7 @@ def plan_part(plan: Plan, ids: Numbers) -> Plan:
 
 
 def footprint_features(picked: Picked) -> list[QgsFeature]:
-    """Footprint of each image: the frame written to its file, or the ground that the camera sees."""
+    """Footprint of each image: the extent of a map frame, or the ground that the camera sees."""
     plan = picked.plan
     where = (plan.column, plan.row, plan.lat_deg, wrap_lon_deg(plan.lon_deg), plan.agl_m, _gsd(plan))
     sight = (picked.overlap, picked.crowd, *plan.poses.attitude, ~plan.corners.hit.all(axis=1))
@@ -150,12 +150,12 @@ def centre_features(picked: Picked) -> list[QgsFeature]:
 
 
 def plan_flight(plan: Plan, index: CaptureIndex, clock: ExposureTimes) -> FlightLine | SortieLines:
-    """Flight of a plan: from capture to capture, or a path with more points."""
+    """Flight of a plan: a line from capture to capture, or a path with further points."""
     return FlightLine(plan, index, clock) if plan.path.is_captures else SortieLines(plan, clock)
 
 
 class SortieLines:
-    """The flight path of a plan that is more than its captures, by sortie; always drawn completely."""
+    """Flight path of a plan, by sortie, with points besides the captures; always drawn completely."""
 
     is_short = True
 
@@ -164,7 +164,7 @@ class SortieLines:
         path, rows = plan.path, np.full(len(plan.path), -1)
         taken = path.capture >= 0
         rows[taken] = plan.row[path.capture[taken]]
-        # Of long flights, the ends of rows.
+        # Of long flights, keep only the ends of rows.
         inside = taken & np.append(False, rows[1:] == rows[:-1]) & np.append(rows[1:] == rows[:-1], False)
         self._kept = ~inside if len(path) > MOST_CORNERS else np.ones(len(path), bool)
 
@@ -173,11 +173,11 @@ class SortieLines:
         return [self._line(number) for number in range(self._plan.path.sorties)]
 
     def ends(self) -> list[QgsFeature]:
-        """Return the line of each sortie: the ways there and back matter from afar."""
+        """Return the line of each sortie, as the ways to the area and back also matter from afar."""
         return self.whole()
 
     def is_clear(self, _bounds: Rect, _px_per_m: float) -> bool:
-        """Return that it is always drawn."""
+        """Return True, as the path is always drawn."""
         return True
 
     def legs(self, _ids: Numbers, _rect: Rect) -> list[QgsFeature]:
@@ -195,7 +195,7 @@ class SortieLines:
 
 
 class FlightLine:
-    """The way from the first capture of a plan to the last."""
+    """Line from the first capture of a plan to the last."""
 
     def __init__(self, plan: Plan, index: CaptureIndex, clock: ExposureTimes) -> None:
         self._plan = plan
@@ -212,7 +212,7 @@ class FlightLine:
         self._whole = _corners(plan.row)
         if self.is_short:
             return
-        # Legs longer than their images may cross a view that none of their images touches.
+        # Long legs may cross a view that does not touch their images: they need their own bounding boxes.
         if plan.grid.plane.wraps:
             x, y = metres(np.unwrap(plan.lon_deg, period=360.0), plan.lat_deg)
         else:
@@ -226,11 +226,11 @@ class FlightLine:
 
     @property
     def is_short(self) -> bool:
-        """Whether it is always drawn completely."""
+        """Whether the line is always drawn completely."""
         return len(self._plan) <= MOST_CORNERS
 
     def whole(self) -> list[QgsFeature]:
-        """Line from end to end; of a long flight with few corners: the ends of rows, and some between."""
+        """Line from end to end; a long flight is reduced to the ends of rows and some corners between them."""
         return self._feature([self._whole])
 
     def ends(self) -> list[QgsFeature]:
@@ -239,17 +239,17 @@ class FlightLine:
         return self._feature([self._whole[row == end] for end in np.unique([row[0], row[-1]])])
 
     def is_clear(self, bounds: Rect, px_per_m: float) -> bool:
-        """Whether the legs of the whole flight are far enough apart on the screen, on average."""
+        """Whether the legs of the whole flight are, on average, far enough apart on the screen."""
         area_m2 = (bounds.east - bounds.west) * (bounds.north - bounds.south)
         plane = self._plan.grid.plane
         # The map's scale enlarges lengths linearly and areas quadratically.
         shrunk = np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole])))) if plane.wraps else plane.unit_m
         length_m = self._plan.direct.distance_m / shrunk
-        # Legs closer than 10 px on the screen would hide everything else.
+        # Legs less than 10 px apart on the screen would hide everything else.
         return bool(area_m2 * px_per_m >= 10.0 * length_m)
 
     def legs(self, ids: Numbers, rect: Rect) -> list[QgsFeature]:
-        """Legs of a long flight from or to some captures, and those that cross a part of the world."""
+        """Legs from and to the captures ``ids``, and long legs that cross a part of the world."""
         last = len(self._plan) - 1
         crossing = self._long[self._long_boxes.meets(rect)]
         legs = np.unique(np.concatenate([ids, ids - 1, crossing]))

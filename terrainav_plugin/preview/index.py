@@ -1,4 +1,4 @@
-"""Spatial index of captures: finds those in view among a million in milliseconds. Numpy only."""
+"""Spatial index of captures, which finds the captures in view among a million in milliseconds. Numpy only."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Rects(NamedTuple):
-    """Rectangles of a world in metres, (n,) each: west within it, east beyond its end across the antimeridian."""
+    """Rectangles of a world in metres, (n,) each; across the antimeridian, ``east`` exceeds the world's east edge."""
 
     west: Floats
     south: Floats
@@ -26,7 +26,7 @@ class Rects(NamedTuple):
 
     @classmethod
     def wrapped(cls, west: Floats, south: Floats, east: Floats, north: Floats, world: PreviewWorld = MERCATOR) -> Rects:
-        """Rectangles from continuous eastings, at most as wide as the world."""
+        """Rectangles from continuous eastings; their width is limited to that of the world."""
         if world.wraps:
             east = np.minimum(east, west + world.size)
             turn = np.floor((west - world.west) / world.size)
@@ -53,29 +53,30 @@ class Rects(NamedTuple):
         """Middle of each rectangle, within the world."""
         x = (self.west + self.east) / 2.0
         if self.world.wraps:
-            # It may lie beyond the antimeridian.
+            # The middle may be beyond the antimeridian.
             x = np.where(x >= self.world.east, x - self.world.size, x)
         return x, (self.south + self.north) / 2.0
 
     def meets(self, rect: Rect) -> NDArray[np.bool_]:
-        """Whether each overlaps a rectangle."""
-        level = (self.south <= rect.north) & (self.north >= rect.south)
-        beside = np.zeros(len(self.west), bool)
+        """Whether each rectangle overlaps ``rect``."""
+        in_rows = (self.south <= rect.north) & (self.north >= rect.south)
+        in_columns = np.zeros(len(self.west), bool)
         for shift in self.world.shifts:
-            beside |= (self.west + shift <= rect.east) & (self.east + shift >= rect.west)
-        return level & beside
+            in_columns |= (self.west + shift <= rect.east) & (self.east + shift >= rect.west)
+        return in_rows & in_columns
 
 
 class CaptureIndex:
-    """Captures by place and size: in each size class, a factor of two wide, bins are as wide as its largest.
+    """Captures by place and size, in classes of sizes that differ by less than a factor of two.
 
-    A query reads the ranges of the bins it needs from sorted arrays, and touches no other captures.
+    The bins of a class are as wide as its largest captures. A query reads the ranges of the bins it needs from sorted
+    arrays, and no other captures.
     """
 
     def __init__(self, boxes: Rects) -> None:
         self.boxes = boxes
         self.longer_m = boxes.longer_m
-        # Bins of 0.1 m at least, so that a bin's number fits into 64 bits.
+        # Bins are at least 0.1 m wide, so that their numbers fit into 64 bits.
         least = max(float(self.longer_m.min()), 0.05)
         size_class = np.floor(np.log2(np.maximum(self.longer_m, least) / least)).astype(np.int64)
         self._levels = [
@@ -87,7 +88,7 @@ class CaptureIndex:
         return len(self.longer_m)
 
     def count(self, rect: Rect, from_m: float = 0.0) -> int:
-        """Upper limit of the number of captures from `find`, computed without touching them."""
+        """Upper limit of the number of captures from `find`, computed without reading them."""
         return sum(int((stop - start).sum()) for _, start, stop in self._slices(rect, from_m))
 
     def find(self, rect: Rect, from_m: float = 0.0) -> Numbers:
@@ -141,21 +142,21 @@ class _SizeClass:
 
 
 def _ranges(start: Numbers, stop: Numbers) -> Numbers:
-    """All integers of some ranges, one after another."""
+    """Integers of all ranges, one range after another."""
     counts = stop - start
     before = np.cumsum(counts) - counts
     return np.arange(int(counts.sum())) + np.repeat(start - before, counts)
 
 
 def count_shown(boxes: Rects, x_m: Floats, y_m: Floats) -> Numbers:
-    """Number of rectangles that contain each place, (m,); eastings within the world."""
+    """Number of rectangles that contain each place, (m,); ``x_m`` must be within the world."""
     order = np.argsort(y_m)
     heights, eastings = y_m[order], x_m[order]
     first = np.searchsorted(heights, boxes.south)
     last = np.searchsorted(heights, boxes.north)
     pairs = np.cumsum(last - first)
     shown = np.zeros(len(order), np.int64)
-    # To bound memory.
+    # Work in parts, to limit the memory.
     pairs_at_once = 1_000_000
     cuts = np.searchsorted(pairs, np.arange(pairs_at_once, pairs[-1] if len(pairs) else 0, pairs_at_once)).tolist()
     for begin, end in zip([0, *cuts], [*cuts, len(first)]):

@@ -30,7 +30,7 @@ FIELDS = {
     ),
     "density": "field=images:double",
 }
-#: Attributes with the start and end of a feature's time.
+#: Names of the attributes with start and end of a feature's time, by role.
 _WHEN = {"footprints": ("time", "time_end"), "centres": ("time", "time_end"), "flight": ("start", "end")}
 
 
@@ -51,16 +51,16 @@ class PreviewLayer:
         uri = f"{self.geometry}?crs={CRS}&{FIELDS[self.role]}"
         layer = QgsVectorLayer(uri, title(self.role), "memory")
         layer.setCrs(crs_named(crs))
-        # It can be recreated at any time, so closing the project need not ask whether to save it.
+        # Close projects without QGIS's question about temporary layers: the preview can be recreated at any time.
         layer.setCustomProperty("skipMemoryLayersCheck", 1)
-        # Styles hold such properties too: set them before there are two.
+        # Styles contain custom properties: set the role before there are several styles.
         layer.setCustomProperty(ROLE, self.role)
         _dress(layer, self.role, self.role)
         layer.setReadOnly(True)
         return layer
 
     def add_styles(self, layer: QgsVectorLayer) -> Iterator[None]:
-        """Give a new layer the other styles that the user may choose, step by step."""
+        """Add the further styles that the user may choose to a new layer, step by step."""
         if self.role == "footprints":
             yield from _add_overlap_style(layer)
 
@@ -118,12 +118,12 @@ def _map_tip(role: str) -> str:
 
 
 def _sortie_text() -> str:
-    """Number of a line's sortie, for use inside a string of an expression."""
+    """Text with the number of a line's sortie, for use inside a string of an expression."""
     return tr("Sortie {number}").replace("'", "''").format(number="' || \"sortie\" || '")
 
 
 def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
-    """Load a style and restore map tips and times, which it would remove."""
+    """Load a style, and set map tips and times, which a style replaces."""
     layer.loadNamedStyle(style(name))
     layer.setMapTipTemplate(_map_tip(role))
     _set_times(layer, role)
@@ -132,7 +132,7 @@ def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
 
 
 def _label_sorties(layer: QgsVectorLayer) -> None:
-    """Label each of several sorties along its line: colours repeat, and not everyone distinguishes them."""
+    """Label each of several sorties along its line, as colours repeat and not everyone distinguishes them."""
     labels = QgsPalLayerSettings()
     text = _sortie_text()
     labels.fieldName, labels.isExpression = f"if(\"sortie\" > 0, '{text}', '')", True
@@ -159,7 +159,7 @@ def _set_times(layer: QgsVectorLayer, role: str) -> None:
 
 
 def _add_overlap_style(layer: QgsVectorLayer) -> Iterator[None]:
-    """Add a second, named style for footprints, for the user to choose."""
+    """Add a second, named style for footprints, which the user can choose."""
     styles = layer.styleManager()
     plain, overlap = tr("Footprints"), tr("Overlap count")
     styles.renameStyle(styles.currentStyle(), plain)

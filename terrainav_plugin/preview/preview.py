@@ -1,4 +1,4 @@
-"""The preview: what would be captured, as layers that follow every change of the mission and the view."""
+"""The preview: layers of the planned images, which follow every change of the mission and the view."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ...core.mission.plan import Plan
     from .scene import Drawing, PreviewScene
 
-#: Features added to a layer at once: QGIS takes some hundredths of a millisecond for each.
+#: Number of features added to a layer in a step; QGIS takes some hundredths of a millisecond for each.
 MOST_A_STEP = 100
 
 
@@ -32,14 +32,14 @@ class Preview(QObject):
     """Show one plan at a time, in the detail that the map's view allows.
 
     A thread computes the features of a view; the main thread creates and fills the layers, in steps too short to be
-    noticed. What is still valid stays.
+    noticed. Layers that are still valid are not changed.
 
     Signals
     -------
     closed()
         The user has removed the preview's layers, or the project was closed.
     visibility_changed(bool)
-        Any of its layers has become visible, or all are hidden, whoever changed them.
+        True when a layer of the preview becomes visible, False when all are hidden, by the user or the plugin.
     failed(object)
         The error that prevented drawing.
     """
@@ -57,7 +57,7 @@ class Preview(QObject):
         self._plan: Plan | None = None
         self._world = MERCATOR
         self._drawing: Drawing | None = None
-        #: Features in each layer, to skip unchanged ones.
+        #: Features in each layer, by role, to skip unchanged layers.
         self._held: dict[str, list[QgsFeature]] = {}
         #: Layers changed while the map was being drawn.
         self._overdrawn: set[str] = set()
@@ -90,7 +90,7 @@ class Preview(QObject):
 
     @property
     def visible(self) -> bool:
-        """Whether any of it is visible, or will be once it is drawn."""
+        """Whether any layer of the preview is visible, or will be once it exists."""
         nodes = self._nodes()
         return not nodes or any(node.isVisible() for node in nodes)
 
@@ -109,7 +109,7 @@ class Preview(QObject):
         return self._project.mapLayer(self._ids.get(role, ""))
 
     def show(self, group: MissionGroup, mission: Mission, plan: Plan) -> None:
-        """Show a plan; refills existing layers in place."""
+        """Show a plan; existing layers are filled again in place."""
         self._set_group(group)
         self._plan, self._world, self._drawing = plan, preview_world(plan), None
         self._filling, self._pieces = False, self._make_layers(mission)
@@ -125,23 +125,23 @@ class Preview(QObject):
                 node.setItemVisibilityChecked(False)
 
     def remove(self) -> None:
-        """Remove the preview from the map; results in its group stay."""
+        """Remove the preview from the map; results in the same group stay."""
         self._worker.forget()
         self._pause.stop()
         self._plan = self._scene = self._drawing = self._pieces = None
         self._held = {}
         ids = [layer_id for layer_id in self._ids.values() if self._project.mapLayer(layer_id)]
         self._keep_styles(ids)
-        # Removed by the preview itself: `_forget` must not react.
+        # First clear the ids, so that `_forget` does not take this for the user's removal.
         self._ids = {}
         self._project.removeMapLayers(ids)
         if ids:
-            # QGIS redraws the map only if layers leave its list before they are deleted.
+            # Needed, as QGIS redraws the map only if layers leave its list before they are deleted.
             self._canvas.refresh()
         if self._group is not None:
             self._group.remove_if_empty()
         self._group = None
-        # Hidden layers of this group do not hide those of another.
+        # The layers of the next group may be visible even if those of this group were hidden.
         self._look_at_visibility()
 
     def close(self) -> None:
@@ -158,19 +158,19 @@ class Preview(QObject):
     # --- from a view to features
 
     def _follow(self, *_: object) -> None:
-        """Check the view again once the map has come to rest."""
+        """Check the view again after a pause without changes."""
         if self._plan is not None:
             self._pause.start()
 
     def _look(self) -> None:
-        """Request a drawing of the current view, unless there is one."""
+        """Request a drawing of the current view, unless the current drawing serves it."""
         self._pause.stop()
         if self._plan is None:
             self._scene = None
             return
         view = current_view(self._canvas, self._world)
         if self._drawing is not None and view is not None and self._drawing.serves(view):
-            # A drawing under way may be of another view, which is obsolete.
+            # Abandon a drawing for an earlier view.
             self._worker.forget()
         else:
             self._worker.ask(partial(self._work, self._plan, view), self._take)
@@ -189,7 +189,7 @@ class Preview(QObject):
 
         scene = self._scene
         if scene is None or scene.plan is not plan:
-            # The scene serves all views of its plan: only another plan overtakes it.
+            # The scene is for all views of the plan: only another plan makes it obsolete.
             scene = PreviewScene(plan, check_plan)
             check_plan()
             self._scene = scene
@@ -197,13 +197,13 @@ class Preview(QObject):
 
     def _take(self, drawing: Drawing) -> None:
         self._drawing = drawing
-        # Layers still being created are filled afterwards.
+        # If layers are still being created, they are filled afterwards.
         if self._pieces is None or self._filling:
             self._pieces = self._fill(drawing)
             self._fill_next()
 
     def _fill_next(self) -> None:
-        """Do the next step, and return to the event loop before the one after it."""
+        """Do one step, and request the following one from the event loop."""
         if self._pieces is None:
             return
         if next(self._pieces, self) is self:
@@ -212,7 +212,7 @@ class Preview(QObject):
             self._turn.start()
 
     def _make_layers(self, mission: Mission) -> Iterator[None]:
-        """Create missing layers, step by step: reading their styles takes a while."""
+        """Create missing layers, step by step, as reading their styles takes a while."""
         has_area = mission.kind == "raster"
         if not has_area:
             self._remove_area()
@@ -222,7 +222,7 @@ class Preview(QObject):
                 self._bring_to_world(there, kind.role)
                 continue
             layer = kind.new_layer(self._world.crs)
-            # Set up before the project has it, so that intermediate states are not visible.
+            # Set up the layer before it is in the project, so that intermediate states are not visible.
             for _ in kind.add_styles(layer):
                 yield None
             self._add(layer, kind.role, index)
@@ -240,13 +240,13 @@ class Preview(QObject):
             wanted, held = drawing.layers[kind.role], self._held.get(kind.role)
             if self.layer(kind.role) is None or held is wanted or (held == [] and not wanted):
                 continue
-            # While it is being filled, another drawing cannot use its contents.
+            # While the layer is being filled, another drawing cannot reuse its contents.
             self._held.pop(kind.role, None)
             self.layer(kind.role).dataProvider().truncate()
             for first in range(0, len(wanted), MOST_A_STEP):
                 layer = self.layer(kind.role)
                 if layer is None:
-                    # The user has removed it meanwhile.
+                    # The user has removed the layer meanwhile.
                     break
                 layer.dataProvider().addFeatures(wanted[first : first + MOST_A_STEP])
                 yield None
@@ -264,7 +264,7 @@ class Preview(QObject):
             if layer is None:
                 continue
             if role != "area":
-                # "Zoom to layer" shows the whole mission, whatever part of it is drawn.
+                # The extent for "Zoom to layer" is the whole mission, even if only a part is drawn.
                 layer.setExtent(bounds)
             else:
                 layer.updateExtents()
@@ -273,10 +273,10 @@ class Preview(QObject):
             self._overdrawn.update(roles)
 
     def _paint_again(self) -> None:
-        """Redraw layers that were changed while the map was being drawn.
+        """Redraw layers that were changed while QGIS was drawing the map.
 
-        That drawing shows their earlier contents, and QGIS may reuse its images for the next drawing, which the change
-        had requested: the old contents would stay on the map.
+        QGIS may reuse the images of that drawing, with the old contents of the layers, for the drawing that the change
+        has requested: the old contents would then stay on the map.
         """
         roles, self._overdrawn = self._overdrawn, set()
         for role in roles:
@@ -287,7 +287,7 @@ class Preview(QObject):
     # --- layers
 
     def _set_group(self, group: MissionGroup) -> None:
-        """Change the group; a mission with another folder has another."""
+        """Change the group, which depends on the mission's folder."""
         if self._group is not None and not self._group.is_same(group):
             self.remove()
         self._group = group
@@ -298,7 +298,7 @@ class Preview(QObject):
         if not (isinstance(layer, QgsVectorLayer) and layer.providerType() == "memory"):
             return None
         if layer.fields().names() != field_names(role):
-            # Of another version, with other attributes.
+            # Another version of the plugin has made it, with other attributes.
             self._project.removeMapLayer(layer.id())
             return None
         self._ids[role] = layer.id()
@@ -309,7 +309,7 @@ class Preview(QObject):
         """Change a layer to the CRS of another plan, keeping its style."""
         crs = crs_named(self._world.crs)
         if layer.crs() != crs:
-            # Its features are elsewhere in that CRS.
+            # In the other CRS, the old features would be in wrong places.
             layer.dataProvider().truncate()
             layer.setCrs(crs)
             self._held[role] = []
@@ -324,15 +324,14 @@ class Preview(QObject):
         layer = self.layer("area") or self._adopt("area")
         if layer is not None:
             self._keep_styles([layer.id()])
-            # Removed by the preview itself: `_forget` must not react.
+            # First delete the id, so that `_forget` does not take this for the user's removal.
             del self._ids["area"]
             self._project.removeMapLayer(layer.id())
             self._canvas.refresh()
 
     def _nodes(self) -> list[QgsLayerTreeLayer]:
-        """Layer tree nodes of the layers that cover results."""
+        """Layer tree nodes of the layers that may hide results: all except the outline of the area."""
         root = self._project.layerTreeRoot()
-        # The area covers nothing.
         found = (root.findLayer(layer_id) for role, layer_id in self._ids.items() if role != "area")
         return [node for node in found if node is not None]
 
@@ -343,22 +342,22 @@ class Preview(QObject):
             self.visibility_changed.emit(visible)
 
     def _keep_styles(self, layer_ids: list[str]) -> None:
-        """Keep the styles of removed layers alive for a while.
+        """Keep the styles of layers that are about to be removed alive for a while.
 
         When a drawing begins, QGIS (every known version) copies a style's expressions just after releasing the original
         (`QgsExpression::detach`): if the layer is deleted at that moment, QGIS reads freed memory and crashes. A copy
-        of the style keeps the original alive.
+        of the style keeps the original expressions alive.
         """
         styles = []
         for layer_id in set(layer_ids) & set(self._ids.values()):
             layer = self._project.mapLayer(layer_id)
             styles += [style.clone() for style in (layer.renderer(), layer.labeling()) if style is not None]
         if styles:
-            # Not a timer of this object, which may be closed. A cancelled drawing ends long before these 30 s.
+            # A timer independent of this object, which may be deleted. A cancelled drawing ends long before 30 s.
             QTimer.singleShot(30_000, styles.clear)
 
     def _forget(self, layer_ids: list[str]) -> None:
-        """Handle layers removed by the user; without its footprints the preview ends."""
+        """Handle layers removed by the user; the preview ends if the footprints are removed."""
         gone = set(layer_ids)
         if not gone & set(self._ids.values()):
             return

@@ -32,30 +32,31 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Most images drawn individually: adding them to a layer in one step must not be noticed.
+#: Largest number of images drawn individually, so that the user does not notice how they are added to a layer.
 MOST_DRAWN = 1000
-#: Up to this many images are drawn however small they are: otherwise nothing would be visible from afar.
+#: Number of images up to which all are drawn, however small they are: otherwise nothing would be visible from afar.
 FEW = 100
 _DENSITY_MARGIN = 0.25
-#: Bulge of a footprint's edges beyond the rectangle of its corners, as a share, for footprints of up to half a degree.
+#: Largest deviation of a footprint's curved edges from the rectangle around its corners, as a share of its size, for
+#: footprints of up to half a degree.
 _BULGE = 0.01
 
 
 class Drawing(NamedTuple):
-    """Features of each layer, and the views for which they are valid.
+    """Features of each layer, and the part of the world, scale and time for which they are valid.
 
     Attributes
     ----------
     layers : dict
-        Features by role of their layer; an unchanged list need not be added again.
+        Features by role of their layer; a list that is unchanged need not be added again.
     covers : Rect
-        Part of the world for which they are valid.
+        Part of the world for which the features are valid.
     px_per_m : float
-        Scale for which they were computed.
+        Scale for which the features were computed.
     all_drawn : bool
-        Whether all images in that part are drawn individually, none as density.
+        Whether all images in ``covers`` are drawn individually, none as density.
     times_ms : tuple of float, or None
-        Time range for which they were computed; None if they are valid at any time.
+        Time range for which the features were computed; None if they are valid at any time.
     bounds : Rect
         Bounds of the whole mission.
     """
@@ -68,22 +69,22 @@ class Drawing(NamedTuple):
     bounds: Rect
 
     def serves(self, view: MapView) -> bool:
-        """Whether another view needs no new drawing."""
+        """Whether this drawing is also valid for another view."""
         if not self.covers.contains(view.rect) or (not self.all_drawn and self.times_ms != view.times_ms):
             return False
         scale = view.px_per_m(*_middle(view.rect, self.bounds))
-        # Zoomed in, all drawn images remain; zoomed out, they may be too small.
+        # At a larger scale, images drawn individually remain valid; at a smaller scale, they may be too small.
         return math.isclose(scale, self.px_per_m, rel_tol=1e-3) or (self.all_drawn and scale > self.px_per_m)
 
 
 class PreviewScene:
-    """A plan prepared for drawing; use on one thread at a time.
+    """A plan prepared for drawing. Use on one thread at a time.
 
     Parameters
     ----------
     plan : Plan
     check : callable
-        Called between steps; raises if the work is overtaken.
+        Called between steps; raises an exception if the work is overtaken.
     """
 
     def __init__(self, plan: Plan, check: Callable[[], None] = lambda: None) -> None:
@@ -100,7 +101,7 @@ class PreviewScene:
         self._density: tuple[tuple[DensityCells, float], list[QgsFeature]] | None = None
 
     def draw(self, view: MapView | None, check: Callable[[], None] = lambda: None) -> Drawing:
-        """Features for a view; for the whole mission before the first view."""
+        """Features for a view; None for the whole mission, before there is a view."""
         rect = self.bounds if view is None else view.rect
         scale = 1000.0 / rect.longer_m if view is None else view.px_per_m(*_middle(rect, self.bounds))
         times = None if view is None else view.times_ms
@@ -129,13 +130,13 @@ class PreviewScene:
     def _choose(
         self, rect: Rect, smallest_m: float, times: tuple[float, float] | None
     ) -> tuple[Numbers | None, Rect, float]:
-        """Images to draw individually, if any; where that is valid; and the size below which the rest is density."""
+        """Images to draw individually, or None; where that is valid; and the size below which images become density."""
         if rect.is_empty():
             return np.empty(0, np.int64), rect, 0.0
-        # Margins around the view let small moves reuse the drawing; take the widest that fits.
+        # With a margin around the view, the drawing also serves small moves: try the widest margin first.
         for margin in (0.5, 0.2, 0.05, 0.0):
             covers = rect.grown(margin)
-            # Bins also contain images out of view; skip the search if there are more than three times too many.
+            # The bins also contain images outside the view: skip the search only if they have three times too many.
             if self.index.count(covers, smallest_m) > 3 * MOST_DRAWN:
                 continue
             ids = self.index.find(covers, smallest_m)
@@ -154,7 +155,7 @@ class PreviewScene:
         )
 
     def _flown(self, rect: Rect, times: tuple[float, float] | None) -> Numbers | None:
-        """Images of the time range shown by the temporal controller, if the view has too many others."""
+        """Images in view in the time range of the temporal controller, if these are few enough to draw; else None."""
         if times is None:
             return None
         first, after = self._clock.during(times)
@@ -175,7 +176,7 @@ class PreviewScene:
         )
 
     def _overlap(self, ids: Numbers) -> Numbers:
-        """Number of planned images that show the middle of each; of camera frames, by their inscribed rectangles."""
+        """Number of planned images that show the middle of each image; camera frames count by inscribed rectangles."""
         if not len(ids):
             return np.empty(0, np.int64)
         x, y = self.windows.take(ids).middles
@@ -195,12 +196,12 @@ class PreviewScene:
 
 
 def _crowd(boxes: Rects) -> Numbers:
-    """Number of rectangles over the middle of each."""
+    """Number of rectangles that contain the middle of each rectangle."""
     return count_shown(boxes, *boxes.middles)
 
 
 def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
-    """Point of a view that determines its scale: within the mission, if that is in view."""
+    """Point of a view at which to compute its scale: within the mission, if the mission is in view."""
     x = [max(rect.west, bounds.west), min(rect.east, bounds.east)]
     y = [max(rect.south, bounds.south), min(rect.north, bounds.north)]
     if x[0] > x[1]:
@@ -212,7 +213,7 @@ def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
 
 
 def _bounds(plan: Plan, boxes: Rects) -> Rect:
-    """Bounds of a whole mission; its captures have continuous longitudes."""
+    """Bounds of a whole mission, from its captures with continuous longitudes."""
     world, turn = boxes.world, 0.0
     if world.wraps:
         x, _ = metres(plan.lon_deg, np.zeros(len(plan)))
@@ -222,7 +223,7 @@ def _bounds(plan: Plan, boxes: Rects) -> Rect:
 
 
 def _seen(plan: Plan, windows: Rects) -> Rects:
-    """Bounding rectangles of what camera frames show; generous if the horizon or a pole may be visible."""
+    """Bounding rectangles of the ground in camera frames; generous if the horizon or a pole may be visible."""
     if not windows.world.wraps:
         return _seen_in_crs(plan, windows)
     corners = plan.corners
@@ -237,7 +238,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
         reach = _horizon_deg(plan.height_m[ample])
         at_lat, at_lon = plan.lat_deg[ample], plan.lon_deg[ample]
         south[ample], north[ample] = at_lat - reach, at_lat + reach
-        # Meridians of a circle on a sphere: all of them if it contains a pole.
+        # Range of longitudes of a circle on a sphere: all longitudes if the circle contains a pole.
         share = np.sin(np.radians(reach)) / np.cos(np.radians(at_lat))
         wide = np.where(np.abs(at_lat) + reach < 90.0, np.degrees(np.arcsin(np.clip(share, 0.0, 1.0))), 180.0)
         west[ample], east[ample] = at_lon - wide, at_lon + wide
@@ -247,7 +248,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
 
 
 def _seen_in_crs(plan: Plan, windows: Rects) -> Rects:
-    """Bounding rectangles as from `_seen`, in the imagery's CRS, in which camera frames see no horizon."""
+    """Bounding rectangles as from `_seen`, in the CRS of the imagery; such camera frames do not show the horizon."""
     x, y = placed(plan.grid.plane, plan.corners.lon_deg, plan.corners.lat_deg)
     # Ignore corners outside the domain of the projection; the inscribed rectangle of each image remains.
     west, east = np.fmin.reduce(x, axis=1, initial=np.inf), np.fmax.reduce(x, axis=1, initial=-np.inf)
@@ -259,8 +260,8 @@ def _seen_in_crs(plan: Plan, windows: Rects) -> Rects:
 
 
 def _horizon_deg(height_m: Floats) -> Floats:
-    """Lower limit of the degrees to the horizon."""
+    """Degrees to the horizon, as an upper limit."""
     height = np.maximum(height_m, 0.0)
-    # The smallest radius has the nearest horizon; 1 % more covers the ellipsoid's other radii.
+    # A smaller radius gives a larger angle; 1 % more covers the smaller radii of curvature of the ellipsoid.
     polar_radius_m = 6_356_752.0
     return np.degrees(np.arccos(polar_radius_m / (polar_radius_m + height))) * 1.01 + 1e-6

@@ -27,22 +27,22 @@ if TYPE_CHECKING:
 
 #: CRS of images on the web map's grid.
 CRS = "EPSG:3857"
-#: Width of the world in metres of this CRS.
+#: Width of the world in `CRS`, in metres.
 WORLD_M = 2.0 * HALF_WORLD_M
-#: Points along a side by which a view in another CRS is transformed; their spacing, a twentieth, is also the margin.
+#: Number of points along each side of a view that are transformed to another CRS; the margin is their spacing.
 _SAMPLES = 21
 
 
 @dataclass(frozen=True)
 class PreviewWorld:
-    """Square in a CRS in which a plan is drawn: the whole web map, or the surroundings of the plan.
+    """Square in which a plan is drawn: the whole web map, or the surroundings of the plan in another CRS.
 
     Parameters
     ----------
     crs : str
-        Of the images' pixels, and thus of all layers, since images have exact edges in it: ``EPSG:code``, or WKT.
+        CRS of the images' pixels, in which image edges are exact, and of all layers: ``EPSG:code``, or WKT.
     west, south, size : float
-        The square's lower left corner and its side, in the CRS's unit, called metres throughout.
+        Lower left corner and side of the square, in the unit of the CRS, which is called metres in this room.
     wraps : bool
         Whether the world repeats to the east, as on the web map.
     """
@@ -65,7 +65,7 @@ class PreviewWorld:
 
     @property
     def shifts(self) -> tuple[float, ...]:
-        """Eastward shifts at which places may appear again."""
+        """Eastward shifts by which places may repeat."""
         return (-self.size, 0.0, self.size) if self.wraps else (0.0,)
 
     @property
@@ -78,7 +78,7 @@ MERCATOR = PreviewWorld()
 
 
 def preview_world(plan: Plan) -> PreviewWorld:
-    """World in which to draw a plan."""
+    """World in which a plan is drawn."""
     plane = plan.grid.plane
     if plane.wraps:
         return MERCATOR
@@ -91,15 +91,14 @@ def preview_world(plan: Plan) -> PreviewWorld:
         degrees = np.hypot(lat - plan.lat_deg[:, np.newaxis], east_deg)
         reach = math.radians(float(np.nanmax(degrees))) * WGS84.a_m / plane.unit_m
     longest = max(edges[2] - edges[0], edges[3] - edges[1]) + 2.0 * reach
-    # A power of two, so that the cells of a density have round sizes.
-    # The world is at least four times as wide as the extent of the images.
+    # At least four times the extent of the images, and a power of two, so that density cells have round sizes.
     size = 2.0 ** math.ceil(math.log2(4.0 * longest))
     middle_x, middle_y = (edges[0] + edges[2]) / 2.0, (edges[1] + edges[3]) / 2.0
     return PreviewWorld(plane.crs, middle_x - size / 2.0, middle_y - size / 2.0, size, wraps=False)
 
 
 class Rect(NamedTuple):
-    """Part of a world in metres: west within it, east beyond its end across the antimeridian."""
+    """Rectangle of a world in metres; across the antimeridian, ``east`` exceeds the world's east edge."""
 
     west: float
     south: float
@@ -109,7 +108,7 @@ class Rect(NamedTuple):
 
     @classmethod
     def fitted(cls, west: float, south: float, east: float, north: float, world: PreviewWorld = MERCATOR) -> Rect:
-        """Rectangle moved into the world, and at most as wide."""
+        """Rectangle moved into the world, and limited to its width."""
         south, north = max(south, world.south), min(north, world.north)
         if not world.wraps:
             return cls(max(west, world.west), south, min(east, world.east), north, world)
@@ -129,12 +128,12 @@ class Rect(NamedTuple):
         return max(self.east - self.west, self.north - self.south)
 
     def grown(self, share: float) -> Rect:
-        """Rectangle with margins, as a share of its width and height."""
+        """Rectangle enlarged on each side by a share of its width or height."""
         x, y = share * (self.east - self.west), share * (self.north - self.south)
         return Rect.fitted(self.west - x, self.south - y, self.east + x, self.north + y, self.world)
 
     def contains(self, other: Rect) -> bool:
-        """Whether another rectangle lies inside."""
+        """Whether another rectangle is inside this one."""
         if self.south > other.south or self.north < other.north:
             return False
         if not self.world.wraps:
@@ -145,7 +144,7 @@ class Rect(NamedTuple):
         return west + (other.east - other.west) <= self.east
 
     def is_empty(self) -> bool:
-        """Whether it contains nothing of the world."""
+        """Whether the rectangle contains no part of the world."""
         return self.south >= self.north or self.west >= self.east
 
 
@@ -159,9 +158,9 @@ class MapView:
     Attributes
     ----------
     rect : Rect
-        The part of the world in view; slightly more if the project has another CRS.
+        Part of the world in view; slightly larger if the map has another CRS.
     to_map : QgsCoordinateTransform
-        From the world's CRS to the map's.
+        Transformation from the world's CRS to the map's.
     units_per_px : float
         Map units per pixel of the screen.
     width_px : int
@@ -180,7 +179,7 @@ class MapView:
         """Screen pixels per metre of the world at a point."""
         step = max(self.rect.longer_m * 1e-3, 1e-3)
         world, at = self.rect.world, []
-        # Towards the middle of the world: beyond its edges a point may be outside the CRS's domain.
+        # Step towards the middle of the world, as points beyond its edges may be outside the CRS's domain.
         beside_x = x_m - math.copysign(step, x_m - (world.west + world.east) / 2.0)
         beside_y = y_m - math.copysign(step, y_m - (world.south + world.north) / 2.0)
         try:
@@ -196,7 +195,7 @@ class MapView:
 
 
 def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapView | None:
-    """View of a world on a map canvas; None if the canvas shows nothing yet. Main thread only."""
+    """View of a world on a map canvas; None if the canvas has no size yet. Main thread only."""
     settings = canvas.mapSettings()
     extent, crs = settings.visibleExtent(), settings.destinationCrs()
     size = settings.outputSize()
@@ -217,7 +216,7 @@ def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapVie
 def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, context: object) -> Rect:
     edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()
     if not crs.isValid() or crs.authid() == CRS:
-        # Geographic and projected maps show one world without repetition.
+        # Web maps show the world once, without repetition.
         return Rect(*(min(max(edge, -HALF_WORLD_M), HALF_WORLD_M) for edge in edges))
     if crs.isGeographic():
         west, south, east, north = edges
@@ -233,7 +232,7 @@ def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, c
     gaps = [(after - lon, after) for lon, after in zip(lons, [*lons[1:], lons[0] + 360.0])]
     gap, west = max(gaps)
     south, north = min(lats) - margin, max(lats) + margin
-    # If no gap between longitudes is wider than this, the view goes around the Earth.
+    # Without a gap of 40° between its longitudes, the view goes around the Earth.
     if gap < 40.0:
         return _degree_rect(-180.0, south, 180.0, north)
     margin = (360.0 - gap) / (_SAMPLES - 1)
@@ -241,7 +240,7 @@ def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, c
 
 
 def _visible_crs_rect(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: PreviewWorld) -> Rect:
-    """Part in view of a world without wrapping; all of it if part of the view is outside its CRS's domain."""
+    """Part of a world without wrapping that is in view; the whole world if the view leaves the domain of its CRS."""
     if not to_map.isValid() or to_map.isShortCircuited():
         edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()
         return Rect.fitted(*edges, world)
@@ -258,7 +257,7 @@ def _looked_up(
     transform: QgsCoordinateTransform,
     direction: Qgis.TransformDirection = Qgis.TransformDirection.Forward,
 ) -> tuple[list[tuple[float, float]], bool]:
-    """Points of a view transformed to another CRS, without failed ones; and whether all succeeded."""
+    """Points of a view, transformed to another CRS, without those that failed; and whether none failed."""
     found = []
     for i in range(_SAMPLES):
         x = extent.xMinimum() + extent.width() * i / (_SAMPLES - 1)
@@ -283,7 +282,7 @@ def _degree_rect(west: float, south: float, east: float, north: float) -> Rect:
 
 
 def _utc_ms(moment: QDateTime, otherwise: float) -> float:
-    """Moment of the temporal controller, which has no time zones, as UTC."""
+    """Moment of the temporal controller, which has no time zones, in milliseconds UTC; ``otherwise`` if not set."""
     if not moment.isValid():
         return otherwise
     return float(QDateTime(moment.date(), moment.time(), QTimeZone.utc()).toMSecsSinceEpoch())

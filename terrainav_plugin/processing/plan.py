@@ -201,7 +201,7 @@ def flight_fields() -> QgsFields:
 
 
 def footprints(plan: Plan) -> Iterator[QgsFeature]:
-    """Footprint of each image: the frame written to its file, or the ground that the camera sees."""
+    """Footprint of each image: the extent of a map frame, or the ground that the camera sees."""
     from ..map.outlines import footprint_shapes
 
     for shape, values in zip(footprint_shapes(plan), _attributes(plan)):

@@ -1,7 +1,7 @@
-"""Address of a dataset's folder as entered by the user, and the addresses of its files.
+"""Address of a dataset's folder as entered by the user, and addresses of the files in it.
 
-S3 URLs are signed by GDAL, for a few minutes and one file each, with the credentials of AWS's tools; the requests go
-through QGIS, like those to web servers.
+GDAL signs S3 URLs, each for one file and a few minutes, with the credentials of AWS's tools; QGIS makes the requests,
+as it does to web servers.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ...core.errors import InvalidInput, OutputError
 from ...core.limits import MAX_HEADER_CHARACTERS
 from ..i18n import tr
 
-#: Files of a dataset whose addresses stand for it.
+#: Files of a dataset; the address of such a file stands for the dataset.
 _INSIDE = (MISSION_FILE, FOOTPRINTS_FILE, "collection.json", "items.parquet", "croissant.json", "plan.csv")
 
 
@@ -31,14 +31,14 @@ class DatasetAddress(NamedTuple):
     Parameters
     ----------
     url : str
-        Without a trailing slash.
+        URL of the folder, without a trailing slash.
     """
 
     url: str
 
     @classmethod
     def parse(cls, text: str) -> DatasetAddress:
-        """Address of a dataset, from its folder's address or that of a file in it.
+        """Address of a dataset, from the address of its folder or of a file in it.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class DatasetAddress(NamedTuple):
             path = folder.rpartition("/")[0]
         elif name in _INSIDE:
             path = folder
-        # Bucket names are case-sensitive; `hostname` would be in lower case.
+        # Not `hostname`, which is in lower case: bucket names are case-sensitive.
         return cls(f"{scheme}://{parts.netloc}{path}")
 
     @property
@@ -87,13 +87,13 @@ class DatasetAddress(NamedTuple):
 
     @property
     def server(self) -> str:
-        """Scheme and server or bucket, as errors name it."""
+        """Scheme and server or bucket, for error messages."""
         parts = urlsplit(self.url)
         return f"{parts.scheme}://{parts.netloc}"
 
     @property
     def is_s3(self) -> bool:
-        """Whether it is in an object store."""
+        """Whether the dataset is in an object store."""
         return self.url.startswith("s3://")
 
     def file(self, name: str) -> str:
@@ -105,7 +105,7 @@ class DatasetAddress(NamedTuple):
         return DatasetAddress(self.file(name))
 
     def request_url(self, name: str) -> str:
-        """URL to request a file now; that of a store is signed: never show it.
+        """URL for requesting a file now; never show it, as the URL of an object store is signed.
 
         Raises
         ------
@@ -122,13 +122,13 @@ class DatasetAddress(NamedTuple):
                 signed = gdal.GetSignedURL(f"/vsis3/{parts.netloc}/{key}", ["EXPIRATION_DELAY=600"])
             if signed:
                 return str(signed)
-        # Without credentials: public files.
+        # There are no credentials: the files may be public.
         return _plain_url(parts.netloc, key, options)
 
 
 def _store_options(environment: Mapping[str, str]) -> dict[str, str]:
-    """GDAL options for the store named by AWS's variables; empty for Amazon's."""
-    # The first variable in which AWS's tools look for another store than Amazon's.
+    """GDAL options for the store in AWS's environment variables; empty for Amazon's store."""
+    # The variables in which AWS's tools look for another store, in their order.
     names = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL")
     endpoint = next((environment[name] for name in names if environment.get(name)), "")
     if not endpoint or environment.get("AWS_S3_ENDPOINT"):
@@ -159,7 +159,7 @@ def _plain_url(bucket: str, key: str, options: Mapping[str, str]) -> str:
 
 @contextmanager
 def _gdal_options(options: Mapping[str, str]) -> Iterator[None]:
-    """Set GDAL options temporarily and, if possible (GDAL 3.5), for this thread only; suppress GDAL's errors."""
+    """Set GDAL options temporarily, only for this thread if possible (GDAL 3.5), and suppress GDAL's errors."""
     put = getattr(gdal, "SetThreadLocalConfigOption", gdal.SetConfigOption)
     get = getattr(gdal, "GetThreadLocalConfigOption", gdal.GetConfigOption)
     before = {name: get(name) for name in options}

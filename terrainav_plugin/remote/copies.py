@@ -1,7 +1,7 @@
 """Local copies of remote datasets: the files that footprints need, without images.
 
-QGIS reads a file of footprints repeatedly; remotely, every redraw of the map would fetch it all. With a copy, a remote
-dataset is local except for its images, and a saved project opens without network.
+QGIS reads a file of footprints repeatedly: every redraw of the map would fetch the whole remote file. With a copy, only
+the images are remote, and a saved project opens without a network.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from .address import DatasetAddress
 from .geoparquet import ITEMS_FILE, can_read, write_from_items
 from .store import Store
 
-#: File in a copy with the dataset's address.
+#: Name of the file in a copy that contains the dataset's address.
 ADDRESS_FILE = "address.json"
-#: File beside the table of a map type whose images are in shards.
+#: Name of the file, in the folder of a map type, that lists the shards with its images.
 SHARDS_FILE = "shards.json"
 #: Characters that some systems forbid in folder names.
 _ILLEGAL = re.compile(r'[<>:"/\\|?*\x00-\x1f]|[. ]+$')
-#: Share of footprints in the progress; the rest are tables.
+#: Share of the footprints in the progress; the tables take the rest.
 _FOOTPRINTS_SHARE = 0.6
-#: Footprints of a dataset not copied yet, in the form of a capture, so that QGIS keeps their style.
+#: Placeholder for footprints that are not copied yet, in the form of a capture, so that QGIS keeps the layer's style.
 _NONE_YET = (
     b'{"type": "FeatureCollection", "features": [\n{"type": "Feature", "properties": {"name": ""}, "geometry": '
     b'{"type": "Polygon", "coordinates": [[[0, 0], [0, 0], [0, 0], [0, 0]]]}}\n]}\n'
 )
-#: The same share of the table of all images, if that is copied.
+#: Share of fetching the table of all images in the progress; converting it takes the rest.
 _ITEMS_SHARE = 0.5
 Progress = Callable[[float], bool]
 
@@ -56,12 +56,11 @@ def copy_folder(address: DatasetAddress) -> Path:
 def local_copy(source: str) -> str:
     """Path on this machine of the copy that a layer shows, as its project may be from another machine.
 
-    Without a copy, write an invisible footprint in its place until the dataset is copied again: for a
-    missing file QGIS would ask the user.
+    If there is no copy yet, write an invisible footprint to the path: QGIS would ask the user for a missing file.
     """
     file, bar, options = source.replace("\\", "/").partition("|")
     path = _copies().joinpath(*PurePosixPath(file.rpartition(f"{COPIES}/")[2]).parts)
-    # The project may be foreign: write nothing outside the folder of copies.
+    # Write nothing outside the folder of copies, as the project may be foreign.
     if _copies() not in path.parents or ".." in path.parts:
         return source
     if path.name == FOOTPRINTS_FILE and not exists(path):
@@ -69,7 +68,7 @@ def local_copy(source: str) -> str:
             _make_folder(path.parent)
             write_whole(path, _NONE_YET)
         except (OutputError, ValueError):
-            # ValueError for an impossible file name.
+            # ValueError is raised for an impossible file name.
             return source
     return f"{path}{bar}{options}"
 
@@ -79,7 +78,7 @@ def _copies() -> Path:
 
 
 def copied_address(folder: Path) -> DatasetAddress | None:
-    """Address whose copy a folder is; None for other folders, whatever a file in them states."""
+    """Address of the dataset of which a folder is the copy; None for folders outside the folder of copies."""
     if _copies() not in folder.parents or ".." in folder.parts:
         return None
     try:
@@ -90,7 +89,7 @@ def copied_address(folder: Path) -> DatasetAddress | None:
 
 
 def has_images_elsewhere(folder: Path) -> bool:
-    """Whether the images of a dataset are not files in its folder, but remote or in shards."""
+    """Whether the images of a dataset are remote or in shards, and not files in its folder."""
     if copied_address(folder) is not None:
         return True
     return is_folder(folder) and any(folder.glob(f"*/{SHARDS_FILE}"))
@@ -107,7 +106,7 @@ def read_only_reason(folder: Path) -> str:
 
 
 def copy_dataset(store: Store, go_on: Progress) -> tuple[Path, Mission]:
-    """Copy the files that the footprints of a dataset, and of each of its imageries, need; replaces an earlier copy.
+    """Copy the files that footprints need, for a dataset and each of its imageries, in place of an earlier copy.
 
     Returns
     -------
@@ -132,14 +131,14 @@ def copy_dataset(store: Store, go_on: Progress) -> tuple[Path, Mission]:
         try:
             inner = _copy_mission(store, folder, place) if place else mission
         except NotThere:
-            # Not captured yet.
+            # This imagery is not captured yet.
             continue
         _copy_files(store, folder, place, inner, share)
     return folder, mission
 
 
 def _copy_mission(store: Store, folder: Path, place: str) -> Mission:
-    """Copy the mission of a dataset, or of one in the subfolder ``place``; raises NotThere for a missing subfolder."""
+    """Copy the mission of a dataset, or of its subfolder ``place``; raises NotThere if the subfolder is missing."""
     path = folder / place / MISSION_FILE
     try:
         text = b"".join(store.pieces(place + MISSION_FILE, most_bytes=MAX_MISSION_BYTES))
@@ -188,9 +187,9 @@ def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on:
 
 
 def _write_footprints(path: Path, pieces: Iterator[bytes], name: str) -> None:
-    """Check and write footprints: a project that shows the copy opens whatever is in its place."""
+    """Check footprints and write them: projects that show the copy open the file without further checks."""
     try:
-        # A name by which GDAL still recognises GeoJSON.
+        # With this ending, GDAL still recognises GeoJSON.
         with partial_file(path, ".new.geojson") as unchecked:
             write_whole(unchecked, checked_geojson(pieces, name))
             check_driver(unchecked)
@@ -199,7 +198,7 @@ def _write_footprints(path: Path, pieces: Iterator[bytes], name: str) -> None:
 
 
 def _take_items(store: Store, folder: Path, mission: Mission, go_on: Progress) -> bool:
-    """Extract all files from the table of images; False if it does not exist or cannot be read."""
+    """Write all files from the table of images; return False if the table does not exist or cannot be read."""
     items = folder / ITEMS_FILE
     try:
         write_whole(items, store.pieces(ITEMS_FILE, lambda share: go_on(_ITEMS_SHARE * share)))

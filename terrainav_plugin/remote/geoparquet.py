@@ -1,6 +1,7 @@
-"""Convert the GeoParquet table of a dataset's images to footprints and tables, which takes a fraction of the bytes.
+"""Conversion of the GeoParquet table of a dataset's images to footprints and tables.
 
-QGIS's official builds have the GDAL driver; without it, the dataset's other files are copied.
+Fetching the table takes a fraction of the bytes. QGIS's official builds have the GDAL driver; without it, the
+footprints and tables themselves are copied.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ from ..i18n import tr
 ITEMS_FILE = "items.parquet"
 _DRIVER = "Parquet"
 _NAMES, _MAP_TYPE = "img_names", "map_type"
-#: Columns that items have beside those of tables; for structures GDAL makes columns with dotted names.
+#: Columns of items that tables do not have; structures become columns with dotted names in GDAL.
 _OF_ITEMS = frozenset(
     "type stac_version stac_extensions id collection bbox links assets datetime start_datetime end_datetime gsd".split()
 )
-#: Properties of footprints, by the names in tables.
+#: Columns of tables, by the property of footprints with the same value.
 _PROPERTIES = {
     "column": "columns",
     "row": "rows",
@@ -64,12 +65,12 @@ def write_from_items(items: Path, folder: Path, map_types: Sequence[str], go_on:
         Folder of the copy.
     map_types : sequence of str
     go_on : callable
-        Called with the share done; returns whether to continue.
+        Takes the share done; returns whether to continue.
 
     Raises
     ------
     InvalidInput
-        The file cannot be read, or is for other images.
+        The file cannot be read, or describes other images.
     OutputError, Cancelled
     """
     try:
@@ -94,7 +95,7 @@ def write_from_items(items: Path, folder: Path, map_types: Sequence[str], go_on:
             features = _checked_features(layer, lambda share, number=number: go_on((number + share) / passes))
             write_whole(folder / map_type / TABLE_FILE, _rows(features, headers))
     except RuntimeError as wrong:
-        # GDAL raises this if exceptions are enabled.
+        # GDAL raises RuntimeError if exceptions are enabled.
         raise _unreadable(items, wrong) from wrong
 
 
@@ -102,14 +103,14 @@ def _checked_features(layer: ogr.Layer, go_on: Progress) -> Iterator[ogr.Feature
     count = max(layer.GetFeatureCount(), 1)
     layer.ResetReading()
     for number, feature in enumerate(layer):
-        # Check every 500 items whether to stop.
+        # Check for cancellation every 500 items.
         if number % 500 == 0 and not go_on(number / count):
             raise Cancelled(tr("footprints: stopped"))
         yield feature
 
 
 def _footprints(items: Path, features: Iterator[ogr.Feature], names: set[str]) -> Iterator[bytes]:
-    """Lines of a footprint file, one for an image with several map types."""
+    """Lines of a footprint file; an image of several map types has one line."""
     known: set[str] = set()
     yield b'{"type": "FeatureCollection", "features": [\n'
     for feature in features:

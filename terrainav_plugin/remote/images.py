@@ -1,4 +1,4 @@
-"""Single images: a remote file, or a part of a remote or local shard."""
+"""Single images that are remote files, or parts of a remote or local shard."""
 
 from __future__ import annotations
 
@@ -20,8 +20,10 @@ from .address import DatasetAddress
 from .copies import ADDRESS_FILE, copied_address
 from .store import Store
 
-#: Most images cached, and most bytes of them together.
-_KEPT, _KEPT_BYTES = 16, 128 << 20
+#: Largest number of cached images.
+_KEPT = 16
+#: Largest number of bytes of the cached images together.
+_KEPT_BYTES = 128 << 20
 _NOTES = ".aux.xml"
 _WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
 DEPTH = "depth"
@@ -33,13 +35,13 @@ class Fetched(NamedTuple):
     Parameters
     ----------
     data : bytes
-        Contents of its file.
+        Contents of the image file.
     place : str
-        Address or file, for display.
+        Address or path of the file, for display.
     beside : mapping of str to bytes
-        Georeferencing files, by what replaces the image's extension.
+        Contents of georeferencing files, by their ending in place of the image's extension.
     depth : bytes or None
-        Contents of its depth file.
+        Contents of the depth file, if any.
     """
 
     data: bytes
@@ -67,12 +69,12 @@ class _InShard(NamedTuple):
 
     @classmethod
     def from_row(cls, row: Mapping[str, str], file: str) -> _InShard | None:
-        """Shard and name of an image; None if its row names no shard."""
+        """Position from a row of the table; None if the row names no shard."""
         shard = row.get("shard", "")
         if not shard:
             return None
         start, length = (whole_number(row.get(name, "")) for name in ("offset_bytes", "size_bytes"))
-        # Foreign tables may name files in their folder only.
+        # A foreign table may only name files in its own folder.
         if not is_name(shard) or start is None or start < TAR_BLOCK_BYTES or not length:
             raise InvalidInput(tr("image {name}: its row of the table names no part of a shard").format(name=file))
         if length > MAX_FETCHED_IMAGE_BYTES:
@@ -81,35 +83,35 @@ class _InShard(NamedTuple):
 
 
 class ImageFetcher:
-    """Fetch images and cache the last few. Use on one thread; `interrupt` and `close` work from any thread."""
+    """Fetch images and cache the last few. Use on one thread; `interrupt` works on any thread."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[tuple[object, ...], Fetched] = OrderedDict()
         self._stores: dict[DatasetAddress, Store] = {}
 
     def interrupt(self) -> None:
-        """Cancel the request under way, which raises `Cancelled`."""
+        """Cancel the current request, so that `fetch` raises `Cancelled`."""
         for store in list(self._stores.values()):
             store.close()
         self._stores.clear()
 
     def fetch(self, folder: Path, map_type: str, file: str, row: Mapping[str, str], with_depth: bool) -> Fetched | None:
-        """Image of a dataset; None if it is a file in its folder.
+        """Fetch an image of a dataset; None if it is a file in the dataset's folder.
 
         Parameters
         ----------
         folder : Path
-            Of the dataset, or of the copy of a remote one.
+            Folder of the dataset, or of the copy of a remote dataset.
         map_type, file : str
         row : mapping of str to str
-            Row in the table; empty without one.
+            Row of the image in the table; empty if there is none.
         with_depth : bool
-            Whether images of this dataset have depth files.
+            Whether the images of this dataset have depth files.
 
         Raises
         ------
         InvalidInput, OutputError, PartError, SourceError, Cancelled
-            The image does not exist, or its shard is damaged; as from `Store`.
+            As from `Store`; or the image does not exist, or its shard is damaged.
         """
         address, part = copied_address(folder), _InShard.from_row(row, file)
         if address is None and part is None:
@@ -163,9 +165,9 @@ class ImageFetcher:
                 return tar.read(length)
 
         try:
-            # Description, georeferencing and other files of an image follow it in its shard.
+            # Also read 16 KiB after the image, where its shard has further files such as its georeferencing.
             text = read(part.start - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + part.length + (16 << 10))
-            # Their headers, as far as they are complete in it.
+            # List the members of the shard that are complete in the text.
             ours = members(lambda at, length: text[at : at + length], shard, 0, len(text))
             first = next(ours, None)
             ending = PurePosixPath(file).suffix
@@ -209,7 +211,7 @@ class ImageFetcher:
 
 
 def add_georeference(image: Fetched, folder: Path, map_type: str, file: str) -> Fetched:
-    """Image with its remote georeferencing files; on any thread."""
+    """Add the remote georeferencing files to an image; on any thread."""
     address, name = copied_address(folder), PurePosixPath(file)
     if address is None or image.beside or name.suffix not in _WORLD_FILES:
         return image
@@ -241,7 +243,7 @@ def _too_large(name: str) -> InvalidInput:
 
 
 def _stamp(folder: Path) -> int:
-    """Stamp that changes when the copy of a dataset is renewed."""
+    """Stamp that changes when a dataset is copied again."""
     try:
         return (folder / ADDRESS_FILE).stat().st_mtime_ns
     except OSError:

@@ -1,6 +1,6 @@
-"""Files at an address, whole or in part, over QGIS's network stack, with its proxies and certificates.
+"""Files at an address, whole or in part, over QGIS's network stack.
 
-Files are requested in pieces: long ones show progress, can be cancelled, and never fill the memory.
+Files are requested in pieces, so that long files show progress, can be cancelled, and do not fill the memory.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from ..network.transport import QgisTransport
 from ..settings import Settings, credential_home
 from .address import DatasetAddress
 
-#: Bytes per request: a moment on a slow line, and few requests for long files.
+#: Number of bytes per request: little on a slow line, but enough for few requests per file.
 _PIECE_BYTES = 4 << 20
-#: At most 18 digits, which no file's length exceeds; Python refuses to convert thousands of them.
+#: Range header of a response. Lengths of files have at most 18 digits; Python refuses to convert thousands of digits.
 _RANGE = re.compile(r"bytes ([0-9]{1,18})-([0-9]{1,18})/([0-9]{1,18})")
 
 
 class _Piece(NamedTuple):
-    """Bytes of a file from an offset, its size and version, and whether the server sent a part."""
+    """Bytes of a file from an offset, the file's size and version, and whether the server sent only a part."""
 
     data: bytes
     size: int
@@ -40,8 +40,8 @@ class _Piece(NamedTuple):
 class _Transport:
     """QGIS's transport, except for two kinds of responses.
 
-    A part that begins at the end of a file is empty, not an error. An object store's error texts are withheld: they may
-    quote keys.
+    A part that begins at the end of a file is empty, not an error. The error texts of an object store are withheld, as
+    they may quote keys.
     """
 
     def __init__(self, transport: QgisTransport, *, may_quote_keys: bool) -> None:
@@ -60,7 +60,7 @@ class _Transport:
 class Store:
     """The files at an address.
 
-    `close` cancels requests, from any thread; later ones raise `Cancelled`.
+    `close` cancels requests, on any thread; later requests raise `Cancelled`.
     """
 
     def __init__(self, address: DatasetAddress) -> None:
@@ -73,7 +73,7 @@ class Store:
             authcfg=Settings().authcfg(web),
             home=credential_home(web),
         )
-        # The user waits: few attempts, enough for a brief failure.
+        # Only three attempts, for brief failures, as the user waits.
         self._client = Client(_Transport(transport, may_quote_keys=address.is_s3), address.server, tries=3)
 
     def close(self) -> None:
@@ -91,9 +91,9 @@ class Store:
         Parameters
         ----------
         name : str
-            Relative to the folder.
+            Path relative to the folder.
         go_on : callable
-            Called with the share received, 0 to 1; returns whether to continue.
+            Takes the share received, 0 to 1; returns whether to continue.
         most_bytes : int
             Largest length accepted.
 
@@ -103,7 +103,7 @@ class Store:
         PartError, SourceError, Cancelled
             As from `Client.get`.
         OutputError
-            The file is too long, or changes meanwhile.
+            The file is too long, or has changed between two requests.
         """
         start, version = 0, ""
         while True:
@@ -132,11 +132,11 @@ class Store:
         ------
         NotThere
         OutputError
-            The server sends whole files only.
+            The server can only send whole files.
         PartError, SourceError, Cancelled
         """
         if self._sends_parts is None:
-            # Test with the mission file, which is short: a server without range requests sends whole files.
+            # Test first with the mission file, which is short, as a server without range requests sends whole files.
             self._piece(MISSION_FILE, 0, 1)
         if not self._sends_parts:
             raise OutputError(
@@ -146,7 +146,7 @@ class Store:
         return b"".join(self._piece(name, at, min(at + _PIECE_BYTES, start + length)).data for at in pieces)
 
     def _refuse_redirects(self, url: str) -> Callable[[str], None]:
-        """Refuse redirects from an object store to other servers, as requests carry the user's credentials."""
+        """Function that refuses redirects to other servers, as requests carry the user's credentials."""
 
         def allow(asked: str) -> None:
             if urlsplit(asked)[:2] != urlsplit(url)[:2]:
@@ -167,7 +167,7 @@ class Store:
         stated = _RANGE.fullmatch(response.headers.get("content-range", ""))
         if stated is None and not response.body:
             return _Piece(b"", start, version, is_part)
-        # An empty part would be requested for ever.
+        # An empty part would be requested again and again.
         length = len(response.body)
         if stated is None or not length or int(stated[1]) != start or int(stated[2]) + 1 - start != length:
             raise PartError("{0}: the server sent another part than asked for", what)

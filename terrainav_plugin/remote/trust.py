@@ -1,9 +1,9 @@
 """Servers and files that the user has agreed to in this profile of QGIS.
 
-Projects, datasets and mission files name the sources of imagery, heights and datasets, and may be foreign: nothing is
-requested from these until the user has agreed, just as QGIS asks before it runs a project's code. Agreed to are what
-the user has chosen or entered in this profile, the shipped catalogue, the user's sources, and layers and connections of
-QGIS.
+Projects, datasets and mission files name sources of imagery and heights and may be foreign: nothing is requested from
+their sources until the user has agreed, just as QGIS asks before it runs a project's code. The user need not agree to
+sources that were chosen or entered in this profile, to the shipped catalogue, to the user's own sources, and to layers
+and connections of QGIS.
 """
 
 from __future__ import annotations
@@ -25,19 +25,20 @@ from ..settings import Settings
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
-#: Scheme and server of an address, with placeholders; programs accept one or more slashes. A drive has one letter.
+#: Scheme and server of an address, with placeholders. Programs accept one or more slashes; a scheme has at least two
+#: letters, unlike a drive.
 _ADDRESS = re.compile(
     r"(?<![a-z0-9+.-])([a-z0-9+.-]{2,}):[/\\]{1,9}"
     r"((?:\{[^{}]*\}|\[[^\[\]]*\]|[^\s/\\?#&|'\"<>,{}\[\]]|[{}\[\]])+)",
     re.IGNORECASE,
 )
-#: What may follow a user name that comes first; curl accepts names with spaces beyond ASCII.
+#: The server after a user name; curl accepts user names with spaces beyond ASCII.
 _SERVER_AFTER_NAME = re.compile(r"[^/\\?#]*@([^\s/\\?#&|'\"<>,]+)")
 #: Windows path of a file on another machine.
 _SHARE = re.compile(r"[\\/]{2}(?:[?.][\\/]+UNC[\\/]+)?[^\\/?.][^\\/]*", re.IGNORECASE)
-#: Names with which GDAL reads more than one file.
+#: Names through which GDAL may read other files.
 _VIRTUAL = re.compile(r"[\\/]vsi|\.vrt$", re.IGNORECASE)
-#: Prefixes whose rest is one address: in other names, it may be part of a bucket's key or of an unused option.
+#: Names that consist of a prefix and one address; in other names, an address may be part of a key or unused option.
 _BY_ADDRESS = re.compile(
     r"(?:/vsi(?:zip|gzip|tar)/+){0,8}(?:/vsicurl(?:_streaming)?/|[a-z]+:)?https?:"
     r"|/vsicurl\?url=https?(?::|%(?:25)?3A)[^&]*$",
@@ -46,28 +47,28 @@ _BY_ADDRESS = re.compile(
 
 
 def source_names(mission: Mission) -> tuple[str, ...]:
-    """Names of a mission's imagery and elevation."""
+    """Names of a mission's sources of imagery and elevation."""
     imagery = [one.source for one in mission.imagery.named] or [mission.imagery.source]
     return (*imagery, *elevation_names(mission))
 
 
 def elevation_names(mission: Mission) -> tuple[str, ...]:
-    """Names of a mission's elevation."""
+    """Names of a mission's sources of elevation."""
     return (*mission.terrain.elevation, *mission.terrain.surface)
 
 
 def unagreed_places(texts: Iterable[str]) -> tuple[str, ...]:
-    """Servers and files of sources that the user has not agreed to; makes no request.
+    """Servers and files to which the user has not agreed; makes no request.
 
     Parameters
     ----------
     texts : iterable of str
-        Sources as in missions, addresses of datasets, paths of folders.
+        Names of sources as in missions, addresses of datasets, and paths of folders.
 
     Returns
     -------
     tuple of str
-        Each once: ``https://host`` for an address, the name itself for a file through which GDAL reads others.
+        Each place once: ``https://host`` for an address, the name itself for a file that may refer to others.
     """
     found = dict.fromkeys(one for text in texts for one in _places(text))
     known = {*_agreed()} if found else set()
@@ -77,7 +78,7 @@ def unagreed_places(texts: Iterable[str]) -> tuple[str, ...]:
 
 
 def agree(texts: Iterable[str]) -> None:
-    """Record that the user has chosen sources, or has agreed to those from `unagreed_places`."""
+    """Record that the user has chosen sources, or has agreed to places from `unagreed_places`."""
     new = [one for one in unagreed_places(texts) if len(one) <= MAX_PLACE_CHARACTERS]
     if new:
         Settings().agreed = json.dumps([*_agreed(), *new][-MAX_AGREED_PLACES:])
@@ -92,7 +93,7 @@ def _agreed() -> list[str]:
 
 
 def _user_places() -> Iterator[str]:
-    """Places of the sources that the user has added."""
+    """Servers and files of the sources that the user has added."""
     try:
         entries = shelf().entries
     except InvalidInput:
@@ -108,7 +109,7 @@ def _is_shipped(place: str) -> bool:
 
 
 def _places(text: str) -> Iterator[str]:
-    """Servers in a text, however written, and files that refer to others; nothing for other texts."""
+    """Servers in a text, in any spelling, and files that refer to others; empty for other texts."""
     text = text.strip()
     if text.startswith("qgis:"):
         return
@@ -124,7 +125,7 @@ def _places(text: str) -> Iterator[str]:
     share = _SHARE.match(text)
     if share is not None:
         found.append(share[0].replace("\\", "/").lower())
-    # Of two servers separated by \@, some programs take the first and some the second.
+    # Also the whole text if \@ separates two servers, as some programs take the first and some the second.
     if (_VIRTUAL.search(text) and not (found and _BY_ADDRESS.match(text))) or (found and "\\@" in readings[-1]):
         found.append(text)
     yield from found

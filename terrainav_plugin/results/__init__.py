@@ -1,7 +1,7 @@
 """Viewing captured images one by one.
 
-shots       captured images under a click, and their data
+shots       finds captured images under a click, and reads their data
 viewer      the window that shows one image at a time
-compare     two images on the map, shown alternately
-viewing     the image of a clicked footprint
+compare     shows two images on the map alternately
+viewing     the map tool, and the image of a clicked footprint
 """

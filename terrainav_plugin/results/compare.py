@@ -20,7 +20,7 @@ from ..widgets import combo, growing_form, push_button, spin, wrapped_label
 
 
 class Compare(QObject):
-    """The small window, and the layers shown while it is open."""
+    """The window for comparing, and the visibility of layers while it is open."""
 
     def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
         super().__init__()
@@ -32,7 +32,7 @@ class Compare(QObject):
         self._groups: list[tuple[QgsLayerTreeNode, bool]] = []
         self._timer = QTimer(self)
         self._timer.timeout.connect(self.switch)
-        # Signals about layers precede their insertion into the layer tree, and follow their removal from it.
+        # Wait: QGIS emits signals about layers before it inserts them into the layer tree.
         self._soon = single_shot(self._offer, self)
 
     def open(self) -> None:
@@ -66,7 +66,7 @@ class Compare(QObject):
         self._show()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle the space bar on the map, where QGIS would pan."""
+        """Handle the space bar on the map, with which QGIS would pan."""
         kinds = (QEvent.Type.KeyPress, QEvent.Type.KeyRelease, QEvent.Type.ShortcutOverride)
         if (
             isinstance(event, QKeyEvent)
@@ -101,13 +101,13 @@ class Compare(QObject):
         self._soon.start()
 
     def _forget(self) -> None:
-        """Forget the state to restore, as its project is closed."""
+        """Forget the visibility to restore, as the project is closed."""
         self._layers.clear()
         self._groups.clear()
         self.close()
 
     def _offer(self) -> None:
-        """Offer the images on the map, and keep those still selected."""
+        """Offer the images on the map, and keep the selected ones if they still exist."""
         if self.dialog is None:
             return
         there = mission_layers(self._project, RASTER)
@@ -118,7 +118,7 @@ class Compare(QObject):
         self._show()
 
     def _remember(self, layers: list[QgsMapLayer]) -> None:
-        """Remember once the visibility of layers and their groups."""
+        """Remember the visibility of layers and their groups, unless it is remembered already."""
         root = self._project.layerTreeRoot()
         groups = [group for group, _ in self._groups]
         for layer in layers:
@@ -141,7 +141,7 @@ class Compare(QObject):
             self._timer.start(round(1000.0 * self.dialog.pause.value()))
 
     def _show(self) -> None:
-        """Show one of the two images, and no other of a mission."""
+        """Show one of the two images, and hide the other images of missions."""
         if self.dialog is None:
             return
         pair = self.dialog.pair()
@@ -179,7 +179,7 @@ class Compare(QObject):
 
     @contextmanager
     def _unnoticed(self) -> Iterator[None]:
-        """Keep a saved project unmodified: the visibility is restored."""
+        """Keep a saved project unmodified, as the visibility of layers will be restored."""
         dirty = self._project.isDirty()
         yield
         if not dirty:
@@ -221,7 +221,7 @@ class CompareDialog(QDialog):
         self.switch.setFocus()
 
     def offer(self, layers: list[tuple[str, str]]) -> None:
-        """Offer layers by id and title; keep the selected ones if still offered."""
+        """Offer layers, pairs (id, title); keep the selected ones if they are still offered."""
         for number, box in enumerate(self.boxes):
             before = box.currentData()
             with QSignalBlocker(box):
@@ -237,7 +237,7 @@ class CompareDialog(QDialog):
         self._enable()
 
     def pair(self) -> tuple[str, str] | None:
-        """Ids of the two layers; None if there are no two."""
+        """Ids of the two layers; None unless two different ones are selected."""
         first, second = (box.currentData() for box in self.boxes)
         return (first, second) if first and second and first != second else None
 
@@ -253,7 +253,7 @@ class CompareDialog(QDialog):
             self.state.setText(tr("Shown: {image}").format(image=self.boxes[shown].currentText()))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Switch on the space bar, unless an entry takes it."""
+        """Switch the images by the space bar, unless an entry has taken the key."""
         if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
             self.switch_wanted.emit()
         else:
@@ -264,9 +264,9 @@ class CompareDialog(QDialog):
         self.pair_chosen.emit()
 
     def _enable(self) -> None:
-        there = self.pair() is not None
+        has_pair = self.pair() is not None
         for widget in (self.switch, self.flicker):
-            widget.setEnabled(there)
+            widget.setEnabled(has_pair)
 
     def _lay_out(self) -> None:
         form = growing_form()

@@ -24,12 +24,12 @@ from ..remote.images import DEPTH, Fetched, ImageFetcher
 
 
 class FootprintLayer(NamedTuple):
-    """Captured footprints of a mission.
+    """A layer of captured footprints.
 
     Parameters
     ----------
     layer_id : str
-        Id of the layer that shows them.
+        Id of the layer.
     folder : Path
         Folder of the dataset.
     """
@@ -39,7 +39,7 @@ class FootprintLayer(NamedTuple):
 
     @classmethod
     def read(cls, layer: QgsVectorLayer) -> FootprintLayer:
-        """Footprints of a layer. Main thread only."""
+        """Values of a QGIS layer. Main thread only."""
         return cls(layer.id(), layer_dataset(layer))
 
 
@@ -49,14 +49,14 @@ class CapturedImage(NamedTuple):
     Parameters
     ----------
     footprints : FootprintLayer
-        Footprints that contain it.
+        Layer with the footprint of the image.
     number, count : int
-        Index in the plan, from 0, and length of the plan.
+        Index of the image in the plan, from 0, and number of images of the plan.
     name : str
     pose : dict
         Attributes of the footprint.
     outline : QgsGeometry
-        EPSG:4326.
+        Outline of the footprint in EPSG:4326.
     """
 
     footprints: FootprintLayer
@@ -68,7 +68,7 @@ class CapturedImage(NamedTuple):
 
 
 class ViewedImage(NamedTuple):
-    """An image with all that is shown of it.
+    """An image with the data to show.
 
     Parameters
     ----------
@@ -79,13 +79,13 @@ class ViewedImage(NamedTuple):
         Map type shown.
     picture : DisplayImage
     row : dict of str to str
-        Row in the dataset's table; empty until it is written.
+        Row of the image in the dataset's table; empty until the table is written.
     rejected : bool
-        Whether cleaning has moved it.
+        Whether cleaning has moved the image.
     depth : Depth or None
-        If the mission wrote it.
+        Depth of the image, if the mission wrote it.
     fetched : Fetched or None
-        File of an image from outside the dataset's folder.
+        Contents of an image that is not a file in the dataset's folder.
     """
 
     shot: CapturedImage
@@ -99,12 +99,12 @@ class ViewedImage(NamedTuple):
 
 
 class Finder:
-    """Find images; footprint files are read once until they change. On one thread.
+    """Find images; footprint files are read again only when they change. Use on one thread only.
 
     Parameters
     ----------
     cancelled : callable
-        Whether nobody waits any longer, which ends reading a long file.
+        Returns whether to stop reading a long file because nobody waits for it any longer.
     """
 
     def __init__(self, cancelled: Callable[[], bool]) -> None:
@@ -112,13 +112,13 @@ class Finder:
         self._files: dict[Path, FootprintFile] = {}
 
     def find_shots(self, footprints: Sequence[FootprintLayer], lat_deg: float, lon_deg: float) -> list[CapturedImage]:
-        """Images whose footprints contain a place, in order of their missions' plans."""
+        """Images whose footprints contain a place, layer by layer in the order of the plan."""
         point = QgsGeometry.fromPointXY(QgsPointXY(lon_deg, lat_deg))
         found = []
         for these in footprints:
             for number in self._file(these).covering(lat_deg, lon_deg):
                 shot = self._shot(these, number)
-                # A pole lies on the edge of what contains it.
+                # Not `contains`, as a pole is on the edge of a footprint that contains it.
                 if shot.outline.intersects(point):
                     found.append(shot)
                     # A click offers at most 200 images.
@@ -127,14 +127,14 @@ class Finder:
         return found
 
     def first(self, footprints: Sequence[FootprintLayer]) -> list[CapturedImage]:
-        """First image of the first mission that has one; an empty list if none has."""
-        for these in footprints:
-            if len(self._file(these)):
-                return [self._shot(these, 0)]
+        """First image of the first layer that has images; empty if no layer has images."""
+        for layer in footprints:
+            if len(self._file(layer)):
+                return [self._shot(layer, 0)]
         return []
 
     def neighbour(self, shot: CapturedImage, step: int) -> CapturedImage | None:
-        """Image ``step`` places after another in its plan; None at the end."""
+        """Image ``step`` places after ``shot`` in the plan; None beyond either end of the plan."""
         number = shot.number + step
         return self._shot(shot.footprints, number) if 0 <= number < shot.count else None
 
@@ -153,7 +153,7 @@ class Finder:
             polygons = [[[QgsPointXY(*at) for at in ring] for ring in polygon] for polygon in polygon_rings(feature)]
         except (KeyError, TypeError) as wrong:
             raise InvalidInput(tr("footprints {path}: have no poses").format(path=file.path)) from wrong
-        # Foreign footprints may name files in their folder only.
+        # A foreign footprint may only name a file in its own folder.
         if not (is_name(name) and name.isprintable()):
             raise InvalidInput(
                 tr("footprints {path}: {name} is not the name of an image").format(
@@ -164,7 +164,7 @@ class Finder:
 
 
 def view_image(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetcher) -> ViewedImage:
-    """Read image and depth, at most at the size shown, and the row in the table.
+    """Read an image and its depth, reduced to the size shown, and its row in the table.
 
     Parameters
     ----------
@@ -172,14 +172,14 @@ def view_image(shot: CapturedImage, map_type: str, longest_px: int, images: Imag
     map_type : str
     longest_px : int
     images : ImageFetcher
-        Fetches remote images and those in shards; a failure becomes the picture's problem.
+        Fetches images that are remote or in shards; a failure becomes the ``problem`` of the picture.
 
     Raises
     ------
     InvalidInput
         The dataset's mission cannot be read.
     Cancelled
-        Nobody waits for it any longer.
+        Nobody waits for the image any longer.
     """
     folder = shot.footprints.folder
     mission = Mission.load(folder / MISSION_FILE)
@@ -212,7 +212,7 @@ def view_image(shot: CapturedImage, map_type: str, longest_px: int, images: Imag
 
 
 def _row(table: Path, name: str) -> dict[str, str]:
-    """Row of an image in a table, found as text: tables are long, and one row is needed."""
+    """Row of an image in a table, searched as text, as tables are long and only one row is needed."""
     try:
         with open_foreign(table, MAX_TABLE_BYTES) as file:
             lines = text_lines(file, "utf-8-sig")
@@ -223,6 +223,6 @@ def _row(table: Path, name: str) -> dict[str, str]:
                 if line.startswith(f"{name},"):
                     return dict(zip(headers, next(csv.reader([line]))))
     except (OSError, UnicodeDecodeError, csv.Error, InvalidInput):
-        # A run writes the table at its end; until then the footprint has all there is.
+        # A run writes the table at its end; until then, only the footprint has data.
         return {}
     return {}

@@ -30,7 +30,7 @@ from ..units import METRES, gsd_text
 from ..widgets import named, push_button, scrolled, wrapped_label
 from .shots import CapturedImage, ViewedImage
 
-#: Metadata that other rows show already, or that only programs need.
+#: Names of metadata that other rows already show, or that only programs need.
 _OMITTED = {
     "AREA_OR_POINT",
     "NAME",
@@ -50,12 +50,12 @@ _OMITTED = {
 
 
 class Viewer(QgsDockWidget):
-    """Show an image with its details, and emit requests for others.
+    """Show an image with its details, and emit requests for other images.
 
     Signals
     -------
     chosen(int)
-        Index of an image under the click.
+        Index of an image under the click, chosen by the user.
     step_wanted(int)
         1 for the next image of the flight, -1 for the previous one.
     map_type_wanted(str)
@@ -101,7 +101,7 @@ class Viewer(QgsDockWidget):
         self.on_map.setChecked(False)
 
     def show_fetching(self, name: str) -> None:
-        """Show that an image is being fetched; the buttons still lead to others."""
+        """Show that an image is being fetched; the buttons for other images stay enabled."""
         self.view.show_image(None, tr("Fetching {name}…").format(name=name))
         self.depth.show_depth(None)
         self.details.setText("")
@@ -119,7 +119,7 @@ class Viewer(QgsDockWidget):
         self.under_click.setVisible(count > 1)
 
     def leave_click(self) -> None:
-        """Clear the images under the click, which no longer contain the one shown."""
+        """Clear the choice among the images under the click, as the image shown is no longer one of them."""
         self.under_click.setCurrentIndex(-1)
 
     def show_seen(self, seen: ViewedImage) -> None:
@@ -176,7 +176,7 @@ class Viewer(QgsDockWidget):
         self.on_map.clicked.connect(self.on_map_wanted.emit)
 
     def _pictures(self) -> QWidget:
-        """The image, the depth beside it, and the depth's legend below."""
+        """Widget with the image, the depth next to it, and the legend of the depth below."""
         beside = QHBoxLayout()
         beside.setSpacing(4)
         beside.addWidget(self.view, 1)
@@ -194,7 +194,7 @@ class Viewer(QgsDockWidget):
         both.addWidget(scrolled(self.details))
         for index, share in enumerate((1, 1)):
             both.setStretchFactor(index, share)
-        # Sizes of picture and details, initially and as the window grows.
+        # Initial sizes of the picture and the details, whose ratio is kept as the window grows.
         both.setSizes([300, 220])
         both.setCollapsible(0, False)
         steps = QHBoxLayout()
@@ -218,7 +218,7 @@ class Viewer(QgsDockWidget):
 
 
 class PictureView(QWidget):
-    """Show a whole image in its proportions, over a pattern that shows where it is transparent.
+    """Show a whole image with its aspect ratio, over a pattern that makes transparency visible.
 
     Signals
     -------
@@ -244,7 +244,7 @@ class PictureView(QWidget):
         self.update()
 
     def mark(self, at: QPointF | None) -> None:
-        """Draw a ring around a position in the image, or none."""
+        """Draw a ring around a position in the image; None removes the ring."""
         self._mark = at
         self.update()
 
@@ -260,7 +260,7 @@ class PictureView(QWidget):
         if self.image is None or not place.contains(event.pos()):
             self.pointed.emit(None)
             return
-        # The middle of the screen pixel.
+        # Use the middle of the screen pixel.
         x, y = event.pos().x() + 0.5 - place.left(), event.pos().y() + 0.5 - place.top()
         self.pointed.emit(QPointF(x / place.width(), y / place.height()))
 
@@ -300,7 +300,7 @@ class PictureView(QWidget):
 
 
 class DepthPane(QWidget):
-    """Depth beside an image, its legend, and the depth under the mouse; hidden without depth.
+    """Depth next to an image, its legend, and the depth under the mouse; hidden if there is no depth.
 
     Parameters
     ----------
@@ -310,9 +310,9 @@ class DepthPane(QWidget):
     Attributes
     ----------
     view : PictureView
-        The depth in colours, beside the image.
+        View of the depth in colours.
     here : QLabel
-        Depth under the mouse.
+        Text with the depth under the mouse.
     """
 
     def __init__(self, picture: PictureView) -> None:
@@ -339,7 +339,7 @@ class DepthPane(QWidget):
         self.show_depth(None)
 
     def show_depth(self, depth: Depth | None) -> None:
-        """Show a depth, or why it cannot be read; None hides the pane."""
+        """Show a depth, or why the depth cannot be read; None hides the pane."""
         self._depth: Depth | None = None if depth is None or depth.problem else depth
         self.view.show_image(*((None,) if depth is None else (depth.image, depth.problem)))
         self.view.setVisible(depth is not None)
@@ -389,7 +389,7 @@ def details_html(seen: ViewedImage) -> str:
 
 
 def details(seen: ViewedImage) -> Iterator[tuple[str, str]]:
-    """Names and values, the most important first."""
+    """Names and values of an image's details, the most important first."""
     pose, row, metadata = seen.shot.pose, seen.row, seen.picture.metadata
     yield tr("Image"), seen.shot.name
     if row.get("status") == "failed":
@@ -453,7 +453,7 @@ def _height(pose: dict[str, Any], row: dict[str, str]) -> str:
 
 
 def _time(pose: dict[str, Any]) -> str:
-    """Time of exposure, as precisely as the footprint has it."""
+    """Time of exposure, with the precision of the footprint's attribute."""
     value = pose.get("time")
     if value is None:
         return ""
@@ -462,13 +462,13 @@ def _time(pose: dict[str, Any]) -> str:
 
 
 def _gsd(seen: ViewedImage) -> str:
-    """Ground sample distance of the file, with a hint if that of the source is coarser."""
+    """Ground sample distance of the file, with a hint if the source is coarser."""
     detail_m = _float(seen.picture.metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
     if math.isnan(detail_m):
         return ""
     own_m = _file_gsd_m(seen) or detail_m
     text = gsd_text(own_m, METRES)
-    # Ignore a difference within this share.
+    # Ignore a difference of up to 2 %.
     if detail_m <= 1.02 * own_m:
         return text
     hint = tr("the source's GSD is {source}: images show no finer detail")
@@ -476,7 +476,7 @@ def _gsd(seen: ViewedImage) -> str:
 
 
 def _file_gsd_m(seen: ViewedImage) -> float | None:
-    """Ground sample distance straight down, in metres; None if neither footprint nor file gives it."""
+    """Ground sample distance at nadir, in metres; None if neither the footprint nor the file states it."""
     from ...core.geodesy.camera import Camera
     from ...core.geodesy.mercator import PixelGrid
 
@@ -498,10 +498,10 @@ def _file_gsd_m(seen: ViewedImage) -> float | None:
 
 
 def _pixels(row: dict[str, str]) -> str:
-    """Pixel size of a source in its CRS, which has no zooms of a web map."""
+    """Pixel size of a source on another grid than that of web maps, in its CRS."""
     width, height = _float(row.get("pixel_width", "")), _float(row.get("pixel_height", ""))
     crs = row["crs"]
-    # A CRS without a code has its WKT, which begins with its name.
+    # A CRS without a code is stated as WKT, which begins with the CRS's name.
     name = crs.split('"')[1] if "[" in crs and '"' in crs else crs
     if math.isnan(width) or math.isnan(height):
         return name

@@ -1,4 +1,4 @@
-"""Show the image of a clicked footprint."""
+"""The map tool for footprints, and the image of a clicked footprint."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _BAND_COLOUR = QColor(240, 140, 30)
 
 
 def _agreed_heights(mission: Mission) -> Heights | None:
-    """Heights of a dataset's mission; raises InvalidInput for a foreign one that the user has not agreed to."""
+    """Heights of a dataset's mission; raises InvalidInput if the user has not agreed to their source."""
     from ..sources import mission_heights
 
     places = unagreed_places(elevation_names(mission))
@@ -80,11 +80,11 @@ class Viewing(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether an image is due."""
+        """Whether an image is pending."""
         return self._worker.busy or self._layer_worker.busy
 
     def start(self) -> bool:
-        """Let the user click footprints; returns False, with a message, without any."""
+        """Let the user click footprints; if there are none, show a message and return False."""
         if not self._layers():
             self._messages.info(
                 tr("There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.")
@@ -97,7 +97,7 @@ class Viewing(QObject):
         return True
 
     def stop(self) -> None:
-        """Stop the tool; the window stays until the user closes it, which also ends the tool."""
+        """Stop the tool; the window stays until the user closes it."""
         self.tool.stop()
 
     def close(self) -> None:
@@ -145,7 +145,7 @@ class Viewing(QObject):
             if self.seen is None:
                 viewer.show_hint(_what_to_click())
             else:
-                # Keep the latest image and its neighbours: it is easy to miss a footprint.
+                # Nothing is under the click: keep the latest image, as it is easy to miss a footprint.
                 self._outline(self.seen.shot)
             return
         self._messages.withdraw_refusal()
@@ -165,11 +165,11 @@ class Viewing(QObject):
         images = self._images = self._images or ImageFetcher()
         if has_images_elsewhere(shot.footprints.folder):
             self._shown_viewer().show_fetching(shot.name)
-        # Longest side at which images are read: sharp on any screen, and quick to read.
+        # Images with a longer side of 1600 px are sharp on any screen, and quickly read.
         self._ask(lambda _: view_image(shot, wanted, 1600, images), self._show)
 
     def _ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
-        """Run work in the background, and drop an image being fetched."""
+        """Run work in the background, and cancel the fetching of a previous image."""
         if self._images is not None and self._worker.busy:
             self._images.interrupt()
         self._worker.ask(work, answer)
@@ -186,7 +186,7 @@ class Viewing(QObject):
         return MissionGroup(self._project, seen.shot.footprints.folder)
 
     def _find_layer(self, seen: ViewedImage) -> QgsMapLayer | None:
-        """Layer of a single image, if any."""
+        """Layer of an image laid on the map, if any."""
         return self._mission_group(seen).layer(_layer_role(seen))
 
     def _show_on_map(self, on: bool) -> None:
@@ -260,7 +260,7 @@ class Viewing(QObject):
             viewer.on_map_wanted.connect(self._show_on_map)
             viewer.visibilityChanged.connect(self._visibility_changed)
             viewer.closed.connect(self.tool.stop)
-            # Name of the panel that the window is tabbed with.
+            # As a tab next to the mission panel.
             add_docked(viewer, self._iface, "terrainav_dock")
         self.viewer.setUserVisible(True)
         return self.viewer
@@ -302,7 +302,7 @@ class Viewing(QObject):
         try:
             self._band.setToGeometry(seen_edges(shot.outline), QgsCoordinateReferenceSystem("EPSG:4326"))
         except QgsCsException:
-            # The footprint is outside the domain of this projection; show the image nevertheless.
+            # The footprint is outside the domain of the map's CRS: show the image without an outline.
             self._band.reset(LINE)
 
     def _remove_band(self) -> None:
@@ -311,7 +311,7 @@ class Viewing(QObject):
             self._band = None
 
     def _layers_removed(self, layer_ids: list[str]) -> None:
-        """Hide an image whose footprints were removed from the map."""
+        """Hide the image if the layer of its footprints was removed."""
         self._shots = [shot for shot in self._shots if shot.footprints.layer_id not in layer_ids]
         if self.seen is not None and self.seen.shot.footprints.layer_id in layer_ids:
             self.seen = None
@@ -319,12 +319,12 @@ class Viewing(QObject):
             if self.viewer is not None:
                 self.viewer.show_hint(_what_to_click())
         elif self.seen is not None and self.viewer is not None:
-            # The image's layer may be among them.
+            # The layer of the image itself may be among the removed layers.
             self.viewer.on_map.setChecked(self._find_layer(self.seen) is not None)
 
 
 def _layer_role(seen: ViewedImage) -> str:
-    """Role of the layer of a single image."""
+    """Role of the layer of an image laid on the map."""
     return f"image/{seen.map_type}/{seen.shot.name}"
 
 
