@@ -80,11 +80,11 @@ def inscribed_edges(
     centre[level, 1] = (edges.top_v + edges.bottom_v)[level] / 2.0
     inside = _narrowed(edges, np.where(polygon | level, _sag(ring), 0.0))
     # Images of level cameras smaller than a twentieth of the world are nearly rectangles on the map.
-    asked = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > 0.05))
-    if len(asked):
-        some = FrameEdges(*(side[asked] for side in inside))
-        for side, shown in zip(inside, _shown(camera, at_zero.take(asked), some, centre[asked], ground)):
-            side[asked] = shown
+    tested = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > 0.05))
+    if len(tested):
+        some = FrameEdges(*(side[tested] for side in inside))
+        for side, shown in zip(inside, _shown(camera, at_zero.take(tested), some, centre[tested], ground)):
+            side[tested] = shown
     return _narrowed(inside, _MARGIN_PX * pixel)
 
 

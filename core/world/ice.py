@@ -162,7 +162,7 @@ def _look_up(table: Array, along_m: Array) -> Array:
 
 @shared(32)
 def _drift_table(seed: int, pixel_m: float) -> Array:
-    """One period of snow drifts, without the bands that a pixel cannot show."""
+    """One period of snow drifts, without bands too narrow for a pixel."""
     at = np.arange(_TABLE)
     out = np.zeros(_TABLE, dtype=np.float32)
     for band, (spacing_m, strength) in enumerate(_DRIFTS):

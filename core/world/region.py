@@ -21,7 +21,7 @@ FINEST_OCTAVE = 19
 COARSE = 10
 #: From this zoom on, regions are computed and remembered for tiles of this zoom, 1.2 km wide.
 BLOCK_ZOOM = 15
-#: First level of each field, and the amplitudes of its octaves from there on.
+#: First level of each field, and the amplitudes of its octaves from this level on.
 _FIELDS: dict[str, tuple[int, tuple[float, ...]]] = {
     "land": (
         1,

@@ -61,7 +61,7 @@ def _speckle(seed: int, level: int, zoom: int, x: int, y: int) -> tuple[Array, L
 
 @shared(32)
 def _stripe_table(seed: int, pixel_m: float) -> Array:
-    """One period of the stripes at a pixel size, without the bands that a pixel cannot show."""
+    """One period of the stripes at a pixel size, without bands too narrow for a pixel."""
     # Spacing in metres and strength of each band.
     bands = ((48.0, 0.5), (22.0, 0.55), (9.0, 0.6), (4.2, 0.55), (2.0, 0.5), (0.9, 0.45), (0.4, 0.4))
     at = np.arange(_STRIPE_COUNT) / _STRIPES_PER_PX

@@ -85,7 +85,7 @@ class CentredSource(PatternSource):
 
 
 def missing(reason: str = "no imagery (404)") -> PartError:
-    """Error of a tile that is not there."""
+    """Error of a tile that does not exist."""
     return PartError(reason)
 
 

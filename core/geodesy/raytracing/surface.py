@@ -98,7 +98,7 @@ class Surface:
     holes : array (rows, columns) of bool, or None
         Pixels whose heights the first source lacks: filled from other sources, or NaN. None if it lacks none.
     interpolated : array (rows, columns) of bool, or None
-        Pixels whose heights are interpolated because no source has them. None if there are none.
+        Pixels whose heights are interpolated because no source has them. None if no height is.
     """
 
     grid: PixelGrid

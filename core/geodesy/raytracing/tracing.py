@@ -22,7 +22,7 @@ from .surface import Hits, PixelRays, Surface
 
 #: Most cells of a surface; ground farther away is another surface, whose cells are twice as large.
 MOST_CELLS = 1 << 21
-#: Least distance, in cells, at which larger cells begin: from there a cell is less than a pixel of most cameras.
+#: Least distance, in cells, at which larger cells begin: beyond it a cell is less than a pixel of most cameras.
 _LEAST_CELLS = 700.0
 #: Factor on the reach of sampled rays: ground at the same distance between two of them lies beyond their chord.
 _BULGE = 1.03
@@ -257,7 +257,7 @@ class Tracing:
             points = self._points(directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level)
             area_m2 = float(np.prod(np.ptp(points[:, :2], axis=0)))
             if begin_m == 0.0:
-                # From high up even larger cells are less than a pixel.
+                # For a high camera even larger cells are less than a pixel.
                 while area_m2 > MOST_CELLS * cell_m**2 and above_m > 2.0 * _LEAST_CELLS * cell_m:
                     cell_m *= 2.0
             if area_m2 > MOST_CELLS * cell_m**2:
@@ -274,7 +274,7 @@ class Tracing:
 
     @cached_property
     def sky(self) -> Flags:
-        """Pixels whose rays miss the Earth at its lowest height and hit no relief, (height, width)."""
+        """Whether rays of pixels miss both the Earth at its lowest height and the relief, (height, width)."""
         lat, _ = self.place
         x, y = np.meshgrid(np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5)
         rays = self.rays.directions(x.ravel(), y.ravel())
@@ -367,7 +367,7 @@ class Tracing:
         if faces:
             at_column[steep], at_row[steep] = one.face_edges(at_column[steep], at_row[steep])
         if one.surface.has_holes:
-            # Pixels that reach beyond the end of the model show nothing.
+            # Pixels whose samples reach beyond the end of the model have no picture.
             whole = one.has_ground_around(at_column, at_row, steps)
             steps = [(east[whole], north[whole]) for east, north in steps]
             row, column = row[whole], column[whole]
@@ -409,7 +409,7 @@ class _Seen(NamedTuple):
         return across * per[0, 0] + down * per[1, 0], across * per[0, 1] + down * per[1, 1]
 
     def has_ground_around(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Flags:
-        """Whether there is ground all around points (n,), within the samples of pixels with these steps in metres."""
+        """Whether points (n,) have ground all around, within the samples of their pixels; ``steps`` are in metres."""
         ways = [self.per_metre @ np.stack(step) for step in steps]
         # At the coarsest zoom, samples lie up to two pixels to either side.
         wide, high = (2.0 * (np.abs(ways[0][axis]) + np.abs(ways[1][axis])) for axis in (0, 1))
