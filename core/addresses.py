@@ -112,9 +112,9 @@ def _is_cut_short(rest: str, is_bucket: bool) -> bool:
 def _holds_password(rest: str) -> bool:
     """Whether the text after the scheme holds a password; a password that is not encoded may contain slashes."""
     host = _host(rest)
-    after = rest[len(host) :]
-    is_port = _has_port(host) and not after.startswith("@")
-    return ":" in host and "@" in after and not is_port
+    path = rest[len(host) :]
+    is_port = _has_port(host) and not path.startswith("@")
+    return ":" in host and "@" in path and not is_port
 
 
 def _host(rest: str) -> str:

@@ -138,8 +138,8 @@ def fitted(values: NDArray[Any], dtype: np.dtype[Any]) -> Values:
         floats: Values = values.astype(dtype, copy=False)
         return floats
     limits = np.iinfo(dtype)
-    whole: Values = np.clip(np.rint(values), limits.min, limits.max).astype(dtype)
-    return whole
+    rounded: Values = np.clip(np.rint(values), limits.min, limits.max).astype(dtype)
+    return rounded
 
 
 #: Bands of most sources.

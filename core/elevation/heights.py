@@ -141,8 +141,8 @@ class TiledHeights:
     def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
         """Read the heights of a window."""
         found = np.full((height_px, width_px), np.nan, np.float32)
-        whole = Window(zoom, left_px, top_px, width_px, height_px)
-        for part in tile_parts(whole, self.grid):
+        window = Window(zoom, left_px, top_px, width_px, height_px)
+        for part in tile_parts(window, self.grid):
             if not self._exists(part.window):
                 continue
             tile = self._tile(part.window)
@@ -166,14 +166,14 @@ class TiledHeights:
             if kept is not None:
                 self._kept.move_to_end(tile)
                 return kept
-        made = self._decode_tile(tile)
+        heights = self._decode_tile(tile)
         with self._lock:
             if tile not in self._kept:
-                self._kept[tile] = made
-                self._kept_bytes += made.nbytes
+                self._kept[tile] = heights
+                self._kept_bytes += heights.nbytes
             while self._kept_bytes > 64 << 20 and len(self._kept) > 1:
                 self._kept_bytes -= self._kept.popitem(last=False)[1].nbytes
-        return made
+        return heights
 
     def _decode_tile(self, tile: Window) -> Heights32:
         pixels = self._source.fetch("", tile)
@@ -223,15 +223,15 @@ class TiledHeights:
         size = self.grid.tile_px
         middle = self._positions(tile, np.array([size / 2.0]), np.array([size / 2.0]))
         width_m = float(self.grid.ground_m_per_px(middle[0], middle[1], tile.zoom)[0]) * size
-        every = np.arange(size, dtype=np.float64)
-        at = every if width_m > 30_000.0 else np.linspace(0.0, size - 1.0, 17)
+        positions = np.arange(size, dtype=np.float64)
+        at = positions if width_m > 30_000.0 else np.linspace(0.0, size - 1.0, 17)
         columns, rows = np.meshgrid(at, at)
         known = self._datum.heights_m(*self._positions(tile, columns, rows))
         if len(at) == size:
             return known
-        along = np.stack([np.interp(every, at, line) for line in known])
-        whole: Floats = np.stack([np.interp(every, at, line) for line in along.T], axis=1)
-        return whole
+        by_row = np.stack([np.interp(positions, at, line) for line in known])
+        heights: Floats = np.stack([np.interp(positions, at, line) for line in by_row.T], axis=1)
+        return heights
 
     def _positions(self, tile: Window, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         world = self.grid.world_px(tile.zoom)
@@ -269,24 +269,24 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
         return ConstantHeight(height_m)
     _check_one(text)
     datum = Datum.named(options.datum, _unit_m(options.unit)) if options.datum else None
-    asked = replace(options.source, crs="", bands=(), stretch="none", heights=True)
+    source_options = replace(options.source, crs="", bands=(), stretch="none", heights=True)
     if text.lower() == "world":
         # Import by name, as this room must not import the embedded world.
         module = __import__(resolve_name("..world.source", __package__ or ""), fromlist=["*"])
         return TiledHeights(
-            module.WorldHeights(asked.seed, options.source.crs), None, datum or Datum(), options.offset_m
+            module.WorldHeights(source_options.seed, options.source.crs), None, datum or Datum(), options.offset_m
         )
     encoding, colon, inner = text.partition(":")
     if text in _shipped():
         entry = CatalogueEntry.from_dict(text, _shipped()[text])
-        tiles = open_entry(entry, entry.date(None), None, replace(asked, encoded=True))
+        tiles = open_entry(entry, entry.date(None), None, replace(source_options, encoded=True))
         return TiledHeights(tiles, _ENCODED[text], datum or Datum.named("EGM96"), options.offset_m)
     if colon and encoding in _ENCODED:
         inner, max_zoom, tile_px = _read_template(inner, text)
-        asked = replace(asked, heights=False, encoded=True, max_zoom=max_zoom, tile_px=tile_px)
-        source = named_source(inner, asked).open()
+        source_options = replace(source_options, heights=False, encoded=True, max_zoom=max_zoom, tile_px=tile_px)
+        source = named_source(inner, source_options).open()
         return TiledHeights(source, _ENCODED[encoding], datum or Datum("", _unit_m(options.unit)), options.offset_m)
-    return _open_raster(text, named_source(text, asked), datum, options)
+    return _open_raster(text, named_source(text, source_options), datum, options)
 
 
 def _read_template(inner: str, text: str) -> tuple[str, int, int | None]:

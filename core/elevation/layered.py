@@ -78,15 +78,15 @@ class LayeredElevation:
         alone = len(self.layers) == 1
         zoom, (left, top, right, bottom) = _window(layer, lat, lon, cell_m, cut=alone)
         heights, holes = self._read(layer, zoom, left, top, right, bottom)
-        made = None
+        interpolated_mask = None
         if self.interpolates and np.isnan(heights).any():
             # Filled heights depend on heights within reach only, so read this margin around the window.
             reach = REACH_PX
             with_margin, _ = self._read(layer, zoom, left - reach, top - reach, right + reach, bottom + reach)
             filled = interpolated(with_margin)[reach:-reach, reach:-reach]
-            made = np.isnan(heights) & ~np.isnan(filled)
+            interpolated_mask = np.isnan(heights) & ~np.isnan(filled)
             heights = filled
-        return Surface(layer.grid, zoom, left, top, heights, holes, made)
+        return Surface(layer.grid, zoom, left, top, heights, holes, interpolated_mask)
 
     def _read(
         self, layer: Layer, zoom: int, left: int, top: int, right: int, bottom: int

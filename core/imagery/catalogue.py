@@ -93,12 +93,12 @@ def source_name(text: str) -> str:
     """
     if text.lower() in shipped_data() or source_kind(text).name != "catalogue":
         return text
-    own = shelf()
-    if text.lower() in {*own.problems, *(entry.name for entry in own.entries)}:
+    user_shelf = shelf()
+    if text.lower() in {*user_shelf.problems, *(entry.name for entry in user_shelf.entries)}:
         return text
     wanted = " ".join(text.split()).casefold()
     titles = [(name, str(data["title"])) for name, data in shipped_data().items()]
-    titles += [(entry.name, entry.title) for entry in own.entries]
+    titles += [(entry.name, entry.title) for entry in user_shelf.entries]
     found = [
         name
         for name, title in titles
@@ -121,10 +121,10 @@ def entry_named(name: str) -> CatalogueEntry:
     if wanted in shipped_data():
         return shipped_entry(wanted)
     # The user's file, which may be damaged, is read only for names that are not in the catalogue.
-    own = shelf()
-    if wanted in own.problems:
-        raise InvalidInput(own.problems[wanted])
-    entries = {entry.name: entry for entry in own.entries}
+    user_shelf = shelf()
+    if wanted in user_shelf.problems:
+        raise InvalidInput(user_shelf.problems[wanted])
+    entries = {entry.name: entry for entry in user_shelf.entries}
     if wanted in entries:
         return entries[wanted]
     close = difflib.get_close_matches(wanted, [*shipped_data(), *entries], n=3, cutoff=0.5)

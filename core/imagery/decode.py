@@ -157,8 +157,8 @@ def picture_size(body: bytes) -> tuple[int, int]:
 
 def _broken(why: Exception | Message) -> BrokenPictureError:
     """Error of a picture that Pillow cannot decode, by the exception it raised or the reason found here."""
-    said = why if isinstance(why, Message) else one_line(str(why)) or type(why).__name__
-    return BrokenPictureError("broken image ({0})", said)
+    reason = why if isinstance(why, Message) else one_line(str(why)) or type(why).__name__
+    return BrokenPictureError("broken image ({0})", reason)
 
 
 def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile:

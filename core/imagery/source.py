@@ -128,6 +128,6 @@ def composite_on_white(colour: NDArray[np.uint8], alpha: NDArray[np.uint8]) -> N
     """Lay colours over white by their alpha, 0 to 255; the shapes are broadcast."""
     if bool((alpha == 255).all()):
         return colour
-    whole = alpha.astype(np.uint16)
-    mixed: NDArray[np.uint8] = ((colour * whole + 255 * (255 - whole) + 127) // 255).astype(np.uint8)
+    wide_alpha = alpha.astype(np.uint16)
+    mixed: NDArray[np.uint8] = ((colour * wide_alpha + 255 * (255 - wide_alpha) + 127) // 255).astype(np.uint8)
     return mixed

@@ -145,9 +145,9 @@ class Template:
     def hosts(self) -> tuple[str, ...]:
         """Hosts of the tiles for every subdomain, map type and tile size, as `url_host` spells them."""
         values = itertools.product(self.subdomains or ("",), MAP_TYPES, ("", "@2x"))
-        asked = (self._filled({"s": s, "map_type": map_type, "r": r}) for s, map_type, r in values)
+        urls = (self._filled({"s": s, "map_type": map_type, "r": r}) for s, map_type, r in values)
         # Values of other placeholders depend on the tile; any value will do.
-        return tuple(dict.fromkeys(url_host(_BRACES.sub("0", url)) for url in asked))
+        return tuple(dict.fromkeys(url_host(_BRACES.sub("0", url)) for url in urls))
 
     def url(self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = "") -> str:
         """URL of a tile; the subdomain depends on column and row, so that a tile always has the same URL."""

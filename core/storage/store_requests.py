@@ -200,9 +200,9 @@ class _Watch:
             raise StoreLimitError(Message("the answer has not ended within {0:,.0f} s", MAX_STORE_S))
         past_s = now_s - self._since_s
         if past_s > MAX_STORE_SILENCE_S + moved.uncounted / MIN_STORE_BYTES_PER_S:
-            come = moved.come - self._before
-            if come < MIN_STORE_BYTES_PER_S * past_s:
-                raise StoreLimitError(Message("only {0:,} bytes have come within {1:,.0f} s", come, past_s))
+            received = moved.come - self._before
+            if received < MIN_STORE_BYTES_PER_S * past_s:
+                raise StoreLimitError(Message("only {0:,} bytes have come within {1:,.0f} s", received, past_s))
             self._since_s, self._before = now_s, moved.come
 
 

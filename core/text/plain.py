@@ -31,14 +31,14 @@ def time_s(text: str, where: str) -> float:
     try:
         day, clock, decimals, zone = found.groups() if found else ("", "", "", "")
         offset = "+00:00" if zone in (None, "Z") else zone if ":" in zone else f"{zone[:3]}:{zone[3:]}"
-        whole = datetime.fromisoformat(f"{day}T{clock}{offset}").timestamp()
+        seconds = datetime.fromisoformat(f"{day}T{clock}{offset}").timestamp()
     except ValueError as wrong:
         raise InvalidInput(
             "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970",
             where,
             text[:80],
         ) from wrong
-    return whole + float(f"0.{decimals or 0}")
+    return seconds + float(f"0.{decimals or 0}")
 
 
 def finite_number(text: str, where: str) -> float:
@@ -154,8 +154,8 @@ def first_words(body: bytes, content_type: str, hide: Callable[[str], str] = str
         Masks keys; called before the text is cut.
     """
     # Decode 4,096 characters more, so that a key that begins before the limit is complete.
-    whole = body[: MAX_TEXT_CHARACTERS + 4096].decode("utf-8", "replace")
-    text = hide(whole)[:MAX_TEXT_CHARACTERS].lstrip("\ufeff").strip()
+    beginning = body[: MAX_TEXT_CHARACTERS + 4096].decode("utf-8", "replace")
+    text = hide(beginning)[:MAX_TEXT_CHARACTERS].lstrip("\ufeff").strip()
     if text.count("\ufffd") > len(text) // 20 or "\0" in text:
         return ""
     if "json" in content_type or text[:1] in ("{", "["):

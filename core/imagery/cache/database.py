@@ -176,8 +176,8 @@ def describe(connection: sqlite3.Connection, written: Mapping[Tile, bytes]) -> N
     zooms = [tile.zoom for tile in written] + [int(known[name]) for name in ("minzoom", "maxzoom") if name in known]
     bounds = _bounds(written)
     if "bounds" in known:
-        before = np.array([float(value) for value in known["bounds"].split(",")])
-        bounds = np.concatenate([np.minimum(before, bounds)[:2], np.maximum(before, bounds)[2:]])
+        known_bounds = np.array([float(value) for value in known["bounds"].split(",")])
+        bounds = np.concatenate([np.minimum(known_bounds, bounds)[:2], np.maximum(known_bounds, bounds)[2:]])
     # MBTiles 1.3 names jpg, png and webp; other formats are given as media types.
     formats = ((b"\xff\xd8\xff", "jpg"), (b"RIFF", "webp"), (b"GIF8", "image/gif"))
     body = next(iter(written.values()))

@@ -125,7 +125,7 @@ class TileCache:
             Empty if the source has only one.
         tile_px : int
         """
-        about = About(source, title, attribution, map_type, date, tile_px)
+        description = About(source, title, attribution, map_type, date, tile_px)
         # "1" is the version of the files' tables; files of another version are left alone.
         digest = hashlib.sha256("\n".join(("1", key, map_type, date, str(tile_px))).encode()).hexdigest()
         slug = "-".join(filter(None, (_slug(text) for text in (source, map_type, date, str(tile_px)))))
@@ -137,12 +137,12 @@ class TileCache:
                 self._set_aside(broken.path)
             path = self._current(stem)
             try:
-                return TileFile(path, about)
+                return TileFile(path, description)
             except FILE_ERRORS as wrong:
                 if database.fault(wrong) != "corrupt":
                     raise
                 self._set_aside(path)
-            return TileFile(self._current(stem), about)
+            return TileFile(self._current(stem), description)
 
         return TileStore(open_file, self.trim, self._clock)
 
@@ -174,13 +174,13 @@ class TileCache:
         OutputError
             A file cannot be removed.
         """
-        before = self._folder_bytes()
+        bytes_before = self._folder_bytes()
         everything = (*self._paths(), *self._paths(corrupt=True))
         # Try all files before raising the first failure.
         failures = [_remove_or_empty(path) for path in (everything if names is None else self._named(names))]
         for failure in filter(None, failures):
             raise failure
-        return max(before - self._folder_bytes(), 0)
+        return max(bytes_before - self._folder_bytes(), 0)
 
     def trim(self) -> None:
         """Remove the least recently used tiles until the files are within the limit; stop after a second."""

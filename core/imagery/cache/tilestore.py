@@ -251,8 +251,8 @@ class TileStore(NoStore):
             if file is None or not (changes or used):
                 return
             try:
-                left = iter(changes.items())
-                while batch := dict(islice(left, BATCH_TILES)):
+                remaining = iter(changes.items())
+                while batch := dict(islice(remaining, BATCH_TILES)):
                     file.write(batch, {})
                     self._done(batch)
                 file.write({}, used)
@@ -272,9 +272,9 @@ class TileStore(NoStore):
         self._hurry.set()
         if writer is not None:
             writer.join()
-        before = self._file
+        first_file = self._file
         self.flush()
-        if self._file is not before:
+        if self._file is not first_file:
             # Writing found damage and opened another file.
             self.flush()
         with self._lock:

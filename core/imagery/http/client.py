@@ -395,11 +395,11 @@ def retry_after_s(response: Response, now_s: float) -> float:
     now_s : float
         Seconds since 1970, for a response without Date.
     """
-    asked = response.headers.get("retry-after", "").strip()
-    seconds = whole_number(asked)
+    header = response.headers.get("retry-after", "").strip()
+    seconds = whole_number(header)
     if seconds is not None:
         return float(seconds)
-    until_s = http_date_s(asked)
+    until_s = http_date_s(header)
     if until_s is None:
         return 0.0
     since_s = http_date_s(response.headers.get("date", ""))

@@ -377,10 +377,10 @@ class Watch:
             with self._lock:
                 # After this, the socket may serve another request.
                 self._running.discard(exchange)
-                left = [] if self._running else self._when_idle
+                calls = [] if self._running else self._when_idle
                 self._when_idle = self._when_idle if self._running else []
             self._current.exchange = None
-            for call in left:
+            for call in calls:
                 call()
 
     def when_idle(self, call: Callable[[], None]) -> None:
@@ -421,7 +421,7 @@ class Watch:
         if exchange is None:
             connect()
             return
-        done, left = threading.Event(), threading.Event()
+        done, abandoned = threading.Event(), threading.Event()
         failures: list[BaseException] = []
 
         def work() -> None:
@@ -430,13 +430,13 @@ class Watch:
             except BaseException as failure:  # noqa: BLE001 (raised in the calling thread)
                 failures.append(failure)
             done.set()
-            if left.is_set():
+            if abandoned.is_set():
                 drop()
 
         threading.Thread(target=work, name="terrainav-connect", daemon=True).start()
         while not done.wait(_LOOK_S):
             if exchange.ended:
-                left.set()
+                abandoned.set()
                 raise EndedError(exchange.ended)
         if failures:
             raise failures[0]

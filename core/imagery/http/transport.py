@@ -244,8 +244,8 @@ def cache_control(text: str) -> dict[str, str]:
     found: dict[str, str] = {}
     for name, value in _DIRECTIVE.findall(text[:MAX_HEADER_CHARACTERS]):
         plain = value.strip('"')
-        before, now = whole_number(found.get(name.lower(), "")), whole_number(plain)
-        if before is None or now is None or now < before:
+        earlier, number = whole_number(found.get(name.lower(), "")), whole_number(plain)
+        if earlier is None or number is None or number < earlier:
             found[name.lower()] = plain
     return found
 

@@ -249,7 +249,7 @@ def _collected_errors(options: Options) -> Iterator[list[str]]:
 
     # Older bindings cannot set options of a thread, and options of the process must stay unchanged.
     wanted = {STRICT_JPEG: "YES", **options} if hasattr(gdal, "SetThreadLocalConfigOption") else {}
-    before = {name: gdal.GetThreadLocalConfigOption(name) for name in wanted}
+    earlier = {name: gdal.GetThreadLocalConfigOption(name) for name in wanted}
     messages: list[str] = []
 
     def collect(severity: int, _number: int, words: str) -> None:
@@ -264,7 +264,7 @@ def _collected_errors(options: Options) -> Iterator[list[str]]:
     except RuntimeError as wrong:
         raise ReadError(messages[0] if messages else wrong) from wrong
     finally:
-        for name, value in before.items():
+        for name, value in earlier.items():
             gdal.SetThreadLocalConfigOption(name, value)
         gdal.PopErrorHandler()
 

@@ -133,10 +133,10 @@ def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str 
         total = _running_means(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(0, 1)
     total /= block
     # The tolerance of 1e-4, a fortieth of a grey level, covers the noise of positions and weights.
-    whole = total[..., -1] > 1.0 - 1e-4
+    is_covered = total[..., -1] > 1.0 - 1e-4
     picture = fitted(total, kind)
     picture[..., -1] = full(kind)
-    picture[~whole] = 0
+    picture[~is_covered] = 0
     return picture
 
 

@@ -185,14 +185,14 @@ class ArcGISService(JSONService):
 
     def _stated(self, document: Document, url: str, bounds: Bounds, **tiles: Any) -> CatalogueEntry:
         info = document.root
-        about = info.get("documentInfo")
-        author = read_text(about.get("Author")) if isinstance(about, Mapping) else ""
+        document_info = info.get("documentInfo")
+        author = read_text(document_info.get("Author")) if isinstance(document_info, Mapping) else ""
         credit = read_text(info.get("copyrightText")) or author
         return self._made(self._title(info), credit, url, Policy(), bounds_deg=bounds, **tiles)
 
     def _title(self, info: Mapping[str, Any]) -> str:
-        about = info.get("documentInfo")
-        title = read_text(about.get("Title")) if isinstance(about, Mapping) else ""
+        document_info = info.get("documentInfo")
+        title = read_text(document_info.get("Title")) if isinstance(document_info, Mapping) else ""
         path = urlsplit(self._base).path.rpartition("/rest/services/")[2].rpartition("/")[0]
         name = title or read_text(info.get("name")) or path or read_text(info.get("mapName"))
         chosen = self._chosen_layers.split(",") if self._chosen_layers else []

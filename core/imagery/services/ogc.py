@@ -225,8 +225,8 @@ def _kvp_url(
     for operation in service.operations:
         if operation.name == "GetTile":
             gets = [method for method in operation.methods if method["type"] == "Get"]
-            asked = [method for method in gets if "kvp" in str(method["constraints"]).lower()] or gets
-            base = urljoin(document.url, asked[0]["url"]) if asked else base
+            preferred = [method for method in gets if "kvp" in str(method["constraints"]).lower()] or gets
+            base = urljoin(document.url, preferred[0]["url"]) if preferred else base
     query = {
         "SERVICE": "WMTS",
         "REQUEST": "GetTile",
@@ -260,8 +260,8 @@ def _wms_layers(document: Document) -> list[Offered]:
 def _usable_systems(named: Sequence[str]) -> tuple[str, ...]:
     """Usable systems of a layer, Web Mercator first, up to `_MOST_OFFERED`."""
     codes = {epsg_code(one.upper()) for one in named}
-    own = sorted((one for one in codes if one != MAP and _EPSG.fullmatch(one)), key=lambda one: int(one[5:]))
-    usable = itertools.islice(filter(is_usable, own[:_MOST_SYSTEMS]), _MOST_OFFERED)
+    projected = sorted((one for one in codes if one != MAP and _EPSG.fullmatch(one)), key=lambda one: int(one[5:]))
+    usable = itertools.islice(filter(is_usable, projected[:_MOST_SYSTEMS]), _MOST_OFFERED)
     return (*((MAP,) if MAP in codes else ()), *usable)
 
 
