@@ -1,4 +1,4 @@
-"""Translation of user-visible texts: those of the plugin, and messages of the core."""
+"""Translation of user-visible texts of the plugin, and of the core's messages."""
 
 from __future__ import annotations
 

@@ -104,7 +104,7 @@ class Settings:
     """Most concurrent requests, as far as the provider allows."""
 
     plan_ending = _Text()
-    """File ending of the latest plan export; empty for none yet."""
+    """File ending of the latest plan export; empty if there is none yet."""
 
     placeholders = _Text()
     """SHA-256 of tiles that count as missing, separated by spaces."""

@@ -274,7 +274,7 @@ def _check_bands(mission: Mission) -> None:
 
 
 def _named(name: str, options: SourceOptions | None = None) -> NamedSource:
-    """Source from a name, which may be that of a QGIS connection."""
+    """Source from its name, which may name a QGIS connection."""
     from ..core.imagery.opening import DescribedSource, SourceOptions, named_source
 
     options = options or SourceOptions()

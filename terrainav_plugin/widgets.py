@@ -404,7 +404,7 @@ class NumberBox(QgsDoubleSpinBox):
         """Accept any text."""
         if position:
             return QValidator.State.Acceptable, text, *position
-        # QGIS passes no position but expects one: that of the cursor, after a prefix that Qt will insert.
+        # QGIS passes no position but expects one: the cursor's, after a prefix that Qt will insert.
         line = self.lineEdit()
         before = 0 if line.text().startswith(self.prefix()) else len(self.prefix())
         return QValidator.State.Acceptable, line.cursorPosition() + before

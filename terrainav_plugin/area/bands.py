@@ -132,7 +132,7 @@ class AreaBands:
         shape = outline.shape
         if not shape.isEmpty():
             band = points if shape.type() == POINT else area
-            # None: the coordinates are those of the canvas, and must not be transformed.
+            # None for no transformation, as the coordinates are in the canvas's CRS.
             band.setToGeometry(shape, None)
         if with_handles:
             _show_points(handles, [*outline.handles.values(), *outline.corners.values()])

@@ -167,7 +167,7 @@ def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[l
 
 
 def _on_turn_of(rings: Sequence[Sequence[Position]], others: Sequence[Sequence[Position]]) -> list[list[Position]]:
-    """The rings ``others`` with their longitudes shifted by whole turns, next to those of ``rings``."""
+    """The rings ``others``, shifted by whole turns to be near ``rings``."""
     turn = nearest_turn(others[0][0][0], rings[0][0][0]) - others[0][0][0]
     return [[(lon + turn, lat) for lon, lat in ring] for ring in others]
 

@@ -52,7 +52,7 @@ class OpenProject:
         return MissionGroup(self.project, folder)
 
     def shows(self, number: int | None, folder: Path) -> bool:
-        """Whether to show results of a folder; ``number`` was that of the open project when the work began."""
+        """Whether to show results of a folder; the work began in project ``number``."""
         return number == self.number or self.mission_group(folder).find() is not None
 
     def _closed(self) -> None:

@@ -77,7 +77,7 @@ class _IntoGroup(QgsProcessingLayerPostProcessorInterface):
 
 
 def _dress_footprints(layer: QgsVectorLayer) -> None:
-    """Style footprints of queries like those of captures."""
+    """Style the footprints of queries like captured footprints."""
     layer.loadNamedStyle(style("captured"))
     hide_antimeridian(layer)
     layer.setMapTipTemplate(f"<b>{escaped_field('name')}</b>")

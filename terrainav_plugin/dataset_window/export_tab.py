@@ -158,7 +158,7 @@ class ExportTab(Tab):
         self.enable()
 
     def _suggest_folder(self) -> None:
-        """Propose a folder beside the dataset's, unless the user has entered one."""
+        """Propose a folder next to the dataset's folder, unless the user has entered one."""
         if self.folder is None or not self.kind or self.target.filePath().strip() != self._suggested:
             return
         self._suggested = ""

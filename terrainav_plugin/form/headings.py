@@ -1,4 +1,4 @@
-"""Summaries of the groups of entries, shown beside the titles of folded groups."""
+"""Summaries of the groups of entries, shown next to the titles of folded groups."""
 
 from __future__ import annotations
 

@@ -249,7 +249,7 @@ class NetworkWorker(QObject):
     # --- steps
 
     def _turn(self) -> None:
-        """Advance the clock by the time since the last call, but at most by that of an idle event loop.
+        """Advance the clock by the time since the last call, but at most by a quarter of a second.
 
         Answers arrive only in the event loop: while that is blocked, requests do not get late.
         """

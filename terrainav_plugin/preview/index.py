@@ -26,7 +26,7 @@ class Rects(NamedTuple):
 
     @classmethod
     def wrapped(cls, west: Floats, south: Floats, east: Floats, north: Floats, world: PreviewWorld = MERCATOR) -> Rects:
-        """Rectangles from continuous eastings; their width is limited to that of the world."""
+        """Rectangles from continuous eastings; none is wider than the world."""
         if world.wraps:
             east = np.minimum(east, west + world.size)
             turn = np.floor((west - world.west) / world.size)

@@ -257,7 +257,7 @@ def _looked_up(
     transform: QgsCoordinateTransform,
     direction: Qgis.TransformDirection = Qgis.TransformDirection.Forward,
 ) -> tuple[list[tuple[float, float]], bool]:
-    """Points of a view, transformed to another CRS, without those that failed; and whether none failed."""
+    """Points of a view that can be transformed to another CRS, transformed; and whether all can."""
     found = []
     for i in range(_SAMPLES):
         x = extent.xMinimum() + extent.width() * i / (_SAMPLES - 1)

@@ -498,7 +498,7 @@ def _file_gsd_m(seen: ViewedImage) -> float | None:
 
 
 def _pixels(row: dict[str, str]) -> str:
-    """Pixel size of a source on another grid than that of web maps, in its CRS."""
+    """Pixel size, in its CRS, of a source that is not on the grid of web maps."""
     width, height = _float(row.get("pixel_width", "")), _float(row.get("pixel_height", ""))
     crs = row["crs"]
     # A CRS without a code is stated as WKT, which begins with the CRS's name.
