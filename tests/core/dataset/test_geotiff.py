@@ -87,7 +87,7 @@ def test_loaders_refuse_what_they_would_change(dataset):
     with pytest.raises(InvalidInput, match=r"red, green, blue, nir \(uint16\), and not grey or colours") as caught:
         LabelledImages(dataset, part="all")
     assert "\n" not in str(caught.value)
-    with pytest.raises(InvalidInput, match="not resized as they are stored"):
+    with pytest.raises(InvalidInput, match="stored images are not resized"):
         LabelledImages(dataset, part="all", dtype="stored", img_size=(8, 8, 3))
     with pytest.raises(InvalidInput, match="stored images are not augmented"):
         LabelledImages(dataset, part="all", dtype="stored", augment=Augmentation())

@@ -460,7 +460,7 @@ def test_a_state_of_another_loader_is_refused(shards, folders):
     with pytest.raises(InvalidInput, match=r"^state: batch -5 must be a whole number from 0 to 5, the batches"):
         torch_loader.load_state_dict({**state, "batch": -5})
     for odd in ({}, {"epoch": 1}, None):
-        with pytest.raises(InvalidInput, match=r"^state .*: must be one that state_dict() returned"):
+        with pytest.raises(InvalidInput, match=r"^state .*: must be one that state_dict\(\) returned"):
             Batches(shards, 4, **CHOICE).load_state_dict(odd)
 
 
