@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..errors import Message, OptionName
-from ..geodesy.raytracing.tracing import MOST_CELLS
 from .areas.area import Polygon, Polygons
 from .flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_text
 from .methods import ChosenMethods
@@ -341,6 +340,8 @@ def _trace_s(plan: Plan, costs: Costs) -> float:
     """Seconds that tracing rays over relief takes on one core; 0 over level ground."""
     if plan.relief.is_level:
         return 0.0
+    from ..geodesy.raytracing.tracing import MOST_CELLS
+
     pixels = (plan.frames.width_px * plan.frames.height_px).astype(np.float64)
     cell_m = plan.relief.heights.surface.cell_m(float(plan.lat_deg[0]), float(plan.lon_deg[0]))
     # From high up, tracing uses coarser cells.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +18,15 @@ from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, ImagePoints, Outline, outline, poles_seen
 from ..geodesy.frames import plane_runs
 from ..geodesy.mercator import PixelGrid, wrap_lon_deg
-from ..geodesy.raytracing.tracing import Tracing, settled
 from ..geodesy.view import View, view
 from .layout.frames import Frames, Runs, sampled_zooms
 from .layout.rotated import Pass
 from .methods import COARSEST_MESH_PX
 from .mission import Mission
 from .relief.ground import Relief
+
+if TYPE_CHECKING:
+    from ..geodesy.raytracing.tracing import Tracing
 
 Kept = TypeVar("Kept")
 
@@ -140,6 +142,8 @@ class CameraViews:
         InvalidInput
             The ground is level.
         """
+        from ..geodesy.raytracing.tracing import Tracing, settled
+
         heights, size = self.relief.heights, size_px or self.size_px(index)
         scene = ImageGeometry(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
         # Share of the tolerance for the rounding of the camera's pose.

@@ -22,6 +22,8 @@ COMMANDS = (
     "cameras",
     "cache",
 )
+#: What only relief needs.
+TRACING = "terrainav.core.geodesy.raytracing.tracing"
 #: Runs the command for each of the lines of the first argument, and prints codes, and what was imported.
 PROGRAM = """
 import sys
@@ -78,9 +80,9 @@ def test_help_and_refusals_need_no_numerics(tmp_path):
 @pytest.mark.parametrize(
     ("line", "unused"),
     [
-        ("plan --coords 35.14_-89.86_120 --json", {"requests", "urllib3", "PIL", "owslib"}),
+        ("plan --coords 35.14_-89.86_120 --json", {"requests", "urllib3", "PIL", "owslib", TRACING}),
         ("plan --coords 35.14_-89.86_120 --yaw 30 --output p.csv", {"requests", "urllib3", "owslib"}),
-        ("capture --coords 35.14_-89.86_120 --data-dir out", {"requests", "urllib3", "owslib"}),
+        ("capture --coords 35.14_-89.86_120 --data-dir out", {"requests", "urllib3", "owslib", TRACING}),
         ("cameras", {"requests", "pyproj", "PIL", "owslib"}),
         ("sources", {"requests", "pyproj", "PIL", "owslib"}),
     ],
@@ -92,7 +94,7 @@ def test_what_is_not_used_is_not_imported(line, unused, tmp_path):
     assert not modules & unused
 
 
-def test_a_plain_box_on_the_web_mercator_map_is_planned_without_proj_and_gusts():
+def test_a_plain_box_on_the_web_mercator_map_is_planned_without_proj_gusts_and_relief():
     program = """
 import sys
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -103,7 +105,7 @@ assert len(plan(Mission(Box(35.16, -89.90, 35.158, -89.898), 120.0), PixelGrid()
 print(*sys.modules)
 """
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert not set(ended.stdout.split()) & {"pyproj", "terrainav.core.mission.flight.gusts"}
+    assert not set(ended.stdout.split()) & {"pyproj", "terrainav.core.mission.flight.gusts", TRACING}
 
 
 @pytest.mark.thorough
