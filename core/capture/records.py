@@ -24,7 +24,6 @@ from ..mission.parts import INTERPOLATE
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures, plan_optics
-from ..picture.products import BANDS, products
 from ..picture.shot import MapShot, Shot, Walls, draw, make_shot, wall_colours
 from ..storage.files import write_whole
 from .georeference import ControlPoints, Georeference
@@ -96,6 +95,8 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     if isinstance(job.shot, Shot):
         description = replace(description, more=_camera_metadata(job.shot))
     if job.products is not None:
+        from ..picture.products import BANDS, products
+
         plan, folder = job.products
         for name, values in products(plan, job.index, (picture.shape[1], picture.shape[0]), job.shot):
             limits = [_value_range(values[..., band]) for band in range(len(BANDS[name]))]

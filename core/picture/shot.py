@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import PixelValues
 from ..bands import RGB, Bands, fitted, full
-from ..geodesy.raytracing.tracing import Tracing
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Walled, Window
 from ..mission.plan import Plan
 from .camera_frame import camera_parts, render
 from .map_frame import assemble, capture_window, turned
+
+if TYPE_CHECKING:
+    from ..geodesy.raytracing.tracing import Tracing
 
 #: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
 Walls = Callable[..., NDArray[np.float32]]

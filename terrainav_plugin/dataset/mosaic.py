@@ -458,8 +458,10 @@ def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterat
         properties = f'RasterXSize="{own_width}" RasterYSize="{own_height}" DataType="{data_type}"'
         source = f'xOff="0" yOff="0" xSize="{own_width}" ySize="{own_height}"'
         place = f'xOff="{left!r}" yOff="{top!r}" xSize="{width}" ySize="{height}"'
+        # QGIS reads a layer in several threads. By default, GDAL shares the open images among rasters that one thread
+        # has opened, which is not safe then: a hundred images hung, and QGIS crashed at times as a layer was removed.
         yield (
-            f'<SourceFilename relativeToVRT="1">{name}</SourceFilename>',
+            f'<SourceFilename relativeToVRT="1" shared="0">{name}</SourceFilename>',
             f'<SourceProperties {properties} BlockXSize="{own_width}" BlockYSize="1"/>',
             f"<SrcRect {source}/><DstRect {place}/>",
         )

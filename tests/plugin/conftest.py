@@ -145,10 +145,7 @@ def clean_project(iface: QgisInterface, first_project: None) -> Iterator[QgsProj
     before = open_panels()
     yield QgsProject.instance()
     iface.mapCanvas().stopRendering()
-    project = QgsProject.instance()
-    # Making one takes longer than many a test.
-    if project.isDirty() or project.fileName() or project.mapLayers():
-        iface.newProject(False)
+    iface.newProject(False)
     iface.messageBar().clearWidgets()
     for panel in open_panels() - before:
         panel.close()

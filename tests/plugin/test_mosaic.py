@@ -59,6 +59,8 @@ def one_of_nine(desk, server):
 def named(desk):
     """Pictures that the file names."""
     text = (desk.folder / "satellite.vrt").read_text(encoding="utf-8")
+    # No two rasters share open images, which threads of QGIS would read at once.
+    assert text.count('shared="0"') == text.count("<SourceFilename") > 0
     return set(re.findall(r"satellite/([^<]*)</SourceFilename>", text))
 
 
