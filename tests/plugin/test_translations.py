@@ -348,7 +348,7 @@ def test_advice_that_the_panel_has_no_entry_for_is_left_out(spanish):
         "x",
         remedy=Message("resume it{0} or choose another folder", resume.in_brackets),
     )
-    assert translate(refused) == "carpeta x: contiene otra misión; reanúdela o elija otra"
+    assert translate(refused) == "carpeta x: contiene otra misión; reanúdela o elija otra carpeta"
     assert str(refused) == "folder x: holds another mission; resume it (--resume) or choose another folder"
 
 

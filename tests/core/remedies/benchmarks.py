@@ -221,7 +221,7 @@ def _tiles_of_others(case: Case) -> None:
 
     def judged(gallery):
         tiles = " ".join(benchmark.references.id[at] for at in gallery)
-        query = benchmark.queries.id[benchmark.chosen("test")[0]]
+        query = benchmark.queries.id[benchmark.query_rows_in("test")[0]]
         path.write_text(f"query,references\n{query},{tiles}\n", encoding="utf-8")
         return score(benchmark, Predictions.read(path, benchmark), "test")
 
