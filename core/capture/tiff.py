@@ -50,8 +50,8 @@ class Tag(NamedTuple):
 def rational(value: float) -> list[int]:
     """Approximate a number of 0 or more by a numerator and a denominator of 32 bits; the denominator is a power of ten.
 
-    Numbers from 1 to 2^32 keep nine digits, and smaller numbers nine decimals. Positive numbers stay positive. Larger
-    numbers become the largest.
+    Numbers from 1 to 2^32 keep nine digits, and smaller numbers nine decimals. Positive numbers stay positive. Numbers
+    from 2^32 - 1 become 2^32 - 1.
     """
     largest = (1 << 32) - 1
     if value >= largest:

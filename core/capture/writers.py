@@ -25,7 +25,7 @@ from .tiff import HEADER_BYTES, Tag, TagType, directory, header
 #: Searching for runs only is four times as fast on photographs as zlib's default, with smaller files, as the predictor
 #: leaves little else to find. Drawn maps are small with either strategy.
 _ZLIB_STRATEGY, _ZLIB_LEVEL = zlib.Z_RLE, 6
-#: Data types whose mask is a rare value, as GDAL supports alpha for unsigned integers only.
+#: No-data value in place of a mask, for types without one: GDAL supports alpha for unsigned integers only.
 _NO_DATA: dict[str, float] = {"int16": -32768, **dict.fromkeys(("float32", "float64"), float("nan"))}
 #: Item of a GeoTIFF's metadata: the values of a band that are displayed darkest and brightest.
 DISPLAY_RANGE = "DISPLAY_RANGE"
@@ -131,7 +131,7 @@ def geotiff(
         Tag(42112, TagType.ASCII, gdal_metadata(_description_items(description))),
     ]
     if channels == 4:
-        tags.append(Tag(338, TagType.SHORT, [2]))  # the fourth channel is alpha, by which colours are not multiplied
+        tags.append(Tag(338, TagType.SHORT, [2]))  # unassociated alpha: colours are not multiplied by it
     return _pixel_file(pixels, place, description, tags)
 
 
@@ -171,7 +171,7 @@ def _geotiff_of_bands(
 
 
 def _avoid_nodata(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
-    """Change pixels that have the no-data value in all bands, as resampling may yield.
+    """Change pixels that have the no-data value in all bands, which resampling may produce.
 
     The first band gets the adjacent value, as in gdalwarp.
     """
@@ -216,7 +216,7 @@ def _pixel_file(pixels: PixelValues, place: Place, description: Description, mor
 
 
 def _as_bytes(pixels: PixelValues) -> NDArray[np.uint8]:
-    """Rearrange floats (h, w, n) as bytes (h, itemsize w, n), each row from the most significant (Predictor 3)."""
+    """Rearrange floats (h, w, n) as bytes (h, itemsize * w, n), in each row the highest bytes first (Predictor 3)."""
     height, width, channels = pixels.shape
     high_first = (
         np.ascontiguousarray(pixels, f">f{pixels.itemsize}").view(np.uint8).reshape(height, width * channels, -1)
@@ -296,7 +296,7 @@ def jpeg(pixels: NDArray[np.uint8], description: Description) -> bytes:
 
 
 def _packed_strips(pixels: PixelValues, rows: int) -> list[bytes]:
-    """Compress strips one after the other, in a buffer that fits in the processor's cache."""
+    """Compress strips of horizontal differences, one by one in a buffer that fits in the processor's cache."""
     strips = []
     # As little-endian unsigned integers, whose differences wrap around.
     pixels = pixels.astype(f"<{pixels.dtype.kind}{pixels.itemsize}", copy=False).view(f"<u{pixels.itemsize}")

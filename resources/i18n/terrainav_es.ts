@@ -4772,8 +4772,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
-        <source>Its name in missions and on the command line: lower-case letters and digits</source>
-        <translation>La identifica en las misiones y en la línea de órdenes: letras minúsculas y cifras</translation>
+        <source>Its name in missions and on the command line: lower-case letters, digits, - and _</source>
+        <translation>La identifica en las misiones y en la línea de órdenes: letras minúsculas, cifras, - y _</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>

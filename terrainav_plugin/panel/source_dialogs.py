@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 #: Entries by the field of a source that an error names; other errors are shown at the address.
 _ENTRIES = {"name": "name", "date": "default_date", "terms_url": "terms_url", "placeholder": "placeholders"}
-#: Parameter that selects a layer in a service's name, by kind of service.
+#: Parameter of a source's name that selects a layer, by kind of service.
 _CHOICES = {"wms": "layers", "wmts": "layer"}
 #: Largest number of reference systems named in an item of the list.
 _SYSTEMS_NAMED = 3
@@ -138,7 +138,9 @@ class AddSourceDialog(QDialog):
         self.tile = named(QLabel(), "tile")
         self.tile.setFixedSize(128, 128)
         self.about_tile = wrapped_label("about_tile")
-        self.name = line_edit("name", tr("Its name in missions and on the command line: lower-case letters and digits"))
+        self.name = line_edit(
+            "name", tr("Its name in missions and on the command line: lower-case letters, digits, - and _")
+        )
         self.title = line_edit("title", tr("What you call it"))
         self.attribution = line_edit("attribution", tr("Credit that goes into every image's metadata"))
         self.licence = line_edit("licence", tr("Licence of the imagery, such as CC BY 4.0"))
@@ -339,7 +341,7 @@ class AddSourceDialog(QDialog):
         return SourceOptions(key=self.key.text().strip() or None, crs=crs, transport=transport, connections=1)
 
     def _find(self) -> None:
-        """Request the kind of service and its layers; if there is only one, its details."""
+        """Request the kind of service and its layers, or its details if there is no layer to choose."""
         from ...core.imagery.services.detecting import found_service
 
         address = self.url.text().strip()
@@ -402,7 +404,7 @@ class AddSourceDialog(QDialog):
         )
 
     def _take(self, entry: CatalogueEntry) -> None:
-        """Show a service's details of a layer as placeholders; typed entries take precedence."""
+        """Show a service's details of a layer as grey hints; what the user types takes precedence."""
         self._entry = entry
         self.title.setPlaceholderText(entry.title)
         self.attribution.setPlaceholderText(entry.attribution)
@@ -463,7 +465,7 @@ class AddSourceDialog(QDialog):
         )
 
     def _check(self) -> None:
-        """Show errors of the entries, and the limits under which the source would be used."""
+        """Bring rows, errors, limits and buttons up to date with the entries."""
         from ...core.imagery.entry import CatalogueEntry, under_provider
         from ...core.imagery.tiles import check_address
 
@@ -614,10 +616,9 @@ def save_layer(entry: CatalogueEntry, service: ServiceConnection, layer: str) ->
     name = _free_name(f"{service.name} {layer}")
     title = tr("{layer} ({service})").format(layer=entry.title, service=service.name)
     add(name, {**entry.to_data(), "title": title})
-    authcfg = store_key(title, service.key) if service.key else service.authcfg
-    # Not if the capabilities refer to another server for the tiles: the user did not agree to authenticate there.
+    # No credentials if the capabilities refer to another server for the tiles: the user did not agree to that.
     if all(credential_home(url) == credential_home(service.address) for url in entry.urls.values()):
-        Settings().set_authcfg(name, authcfg)
+        Settings().set_authcfg(name, store_key(title, service.key) if service.key else service.authcfg)
     return name
 
 
@@ -660,7 +661,7 @@ def _name_problem(name: str) -> dict[str, str]:
 
 
 def _field_message(error: TerrAInavError) -> dict[str, str]:
-    """Message of an error by its entry, without the prefix that names the new source."""
+    """Text of an error by entry: of its cause if there is one, as only the error itself names the new source."""
     inner = error.__cause__ if isinstance(error.__cause__, TerrAInavError) else error
     return {_ENTRIES.get(inner.field, "url"): translate(inner)}
 
@@ -692,7 +693,7 @@ class _Asking(Task):
         self._transport.close()
 
     def cancel(self) -> None:
-        """Cancel the requests too."""
+        """Cancel the task and its requests."""
         super().cancel()
         self._transport.close()
 
@@ -734,7 +735,7 @@ class _Capabilities(Task):
                 self._find_layers()
 
     def cancel(self) -> None:
-        """Cancel the requests too."""
+        """Cancel the task and its requests."""
         super().cancel()
         self._transport.close()
 

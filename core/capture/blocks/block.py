@@ -110,7 +110,7 @@ class Record(NamedTuple):
     shard_bytes : int
         Size of the block's shard in bytes; 0 for images in separate files.
     noted : bytes
-        Files that a provider sent, and their places, as packed by `Repeats`.
+        Digests of the files that a provider sent, and their places, as packed by `Repeats`.
     """
 
     outcomes: dict[str, Outcome]
@@ -182,7 +182,7 @@ class Control:
     made : dict of str to int
         Number of images made so far in each block under way.
     check : callable
-        Raises OutputError if another run has taken the place.
+        Raises OutputError if another run has claimed the folder.
     """
 
     stopped: threading.Event = field(default_factory=threading.Event)
@@ -200,7 +200,7 @@ class Stopped(Exception):
 
 
 class _BlockOrders:
-    """Orders for the images of a block, which come from its run if the run is in this process."""
+    """Stop and pause for the images of a block, from its run if that is in this process; collects their outcomes."""
 
     def __init__(self, block: Block, plan: Plan, control: Control) -> None:
         self._control, self._name = control, block.name
@@ -234,7 +234,7 @@ class _Call:
 
 
 def packed_call(block: Block) -> tuple[Callable[[bytes], BlockResult], bytes]:
-    """Return a function of Python's library and the argument with which it makes a block in another process.
+    """Return a function of Python's library and its argument; calling it in another process makes the block.
 
     As every worker has the function, a worker without TerrAInav can report what is missing; Dask's workers die if they
     cannot unpickle a function.
@@ -307,9 +307,10 @@ def make_block(block: Block) -> BlockResult:
         )
         orders = _BlockOrders(block, plan, control)
         complete = maker.make([Piece(block.map_type, np.arange(len(plan)))], orders)
-        # Another worker or run may have committed the block meanwhile: do not overwrite it.
+        # Stopped, or no longer wanted by Dask: another worker may have committed the block.
         if not (complete and orders.wants_more()):
             raise Stopped
+        # Raises if another run has claimed the folder.
         control.check()
         # In the plan's order rather than the order of making.
         outcomes = {name: orders.outcomes[name] for name in plan.names}
@@ -342,7 +343,7 @@ def _engine_check() -> Callable[[], bool]:
 
 
 def _restore_heights(block: Block) -> Plan:
-    """Return the plan of a block, with the heights of its relief, which are not pickled, read from the destination."""
+    """Return the plan of a block. The heights of its relief are not pickled: read them from the destination."""
     plan, options = block.plan, block.source.options
     if plan.relief.is_loaded:
         return plan
@@ -362,7 +363,7 @@ def _restore_heights(block: Block) -> Plan:
 
 @lru_cache(maxsize=1)
 def _surface(destination: str, _run: str) -> NDArray[Any]:
-    """Read the heights that a run wrote for its workers."""
+    """Read the heights that a run wrote for its workers; ``_run`` is only part of the cache's key."""
     data = read_existing(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE, MAX_RELIEF_BYTES)
     if data is None:
         raise OutputError("{0}: has no {1} any more", destination, RELIEF_FILE)

@@ -1,7 +1,7 @@
 """Limits of a raster: bands, overviews, bytes of a block, directories of a TIFF.
 
-Directories of TIFFs are checked before GDAL reads them, as a VRT may read any number of TIFFs, and texts in TIFFs may
-name other files.
+Directories of TIFFs are checked before GDAL reads them, as a VRT may read any number of TIFFs. Texts in TIFFs are read
+because they may name other files.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class _Entry(NamedTuple):
 
 
 def check_directories(name: str, file: IO[bytes], head: bytes) -> None:
-    """Refuse a TIFF with more directories, control points or larger blocks than GDAL can read in reasonable time.
+    """Refuse a TIFF with too many directories or control points, or too large blocks, for GDAL to read in time.
 
     Parameters
     ----------
@@ -86,7 +86,9 @@ def check_directories(name: str, file: IO[bytes], head: bytes) -> None:
 
 
 def tag_texts(name: str, file: IO[bytes], head: bytes, tag: int, most_bytes: int) -> Iterator[bytes]:
-    """Yield the texts of a tag in a TIFF's directories; other parameters as for `check_directories`.
+    """Yield the texts of a tag in a TIFF's directories, except those that fit in the entry itself (4 or 8 bytes).
+
+    Other parameters are as for `check_directories`.
 
     Raises
     ------
