@@ -440,7 +440,7 @@ def test_files_that_are_no_tracks_are_refused(tmp_path, run):
         (("gone.gpx",), "no such file"),
         (
             ("bytes.txt", "--format", "tum", "--origin", "35", "0"),
-            "trajectory bytes.txt: cannot be read (no text",
+            "trajectory bytes.txt: cannot be read (not UTF-8: byte 2 is invalid)",
         ),
     ):
         assert said in run("poses", "read", *options, "--output", "q.csv").stderr
