@@ -16,11 +16,11 @@ from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
     SOURCE_WAS_NAMED,
     Bar,
-    mission_heights,
     names_source,
     print_failed,
     print_repeated,
     print_written,
+    requested_heights,
     requested_source,
     result_document,
 )
@@ -56,7 +56,7 @@ def _make(arguments: argparse.Namespace) -> int:
             for imagery in {str(one): one for one in (settings.reference, *settings.imageries)}.values()
         }
         grids = {name: source.grid for name, source in sources.items()}
-        planned = plan_benchmark(settings, grids, mission_heights(settings.queries, values))
+        planned = plan_benchmark(settings, grids, requested_heights(settings.queries, values))
         if arguments.dry_run:
             _print_plan(planned)
             return DONE

@@ -126,7 +126,7 @@ def _as_written(mission: Mission) -> bool:
     return mission.output.image_format == "tif"
 
 
-def mission_heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
+def requested_heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
     """Open the heights of a mission's relief; None without one."""
     if not mission.terrain.elevation:
         return None
@@ -146,7 +146,7 @@ def _plan_mission(mission: Mission, values: dict[str, Any], source: Source | Nam
     """Plan a mission, over relief if it has one."""
     from ..mission.plan import plan
 
-    return plan(mission, source.grid, mission_heights(mission, values))
+    return plan(mission, source.grid, requested_heights(mission, values))
 
 
 def _align_rows(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
@@ -156,7 +156,7 @@ def _align_rows(mission: Mission, arguments: argparse.Namespace, values: dict[st
     from ..mission.flight.alignment import align_rows
 
     one = next(iter(mission.missions_by_imagery.values()), mission)
-    found = align_rows(one, grid, mission_heights(one, values), arguments.align)
+    found = align_rows(one, grid, requested_heights(one, values), arguments.align)
     print(printable(found.text()), file=sys.stderr)
     return mission.replace(row_azimuth_deg=found.azimuth_deg)
 
