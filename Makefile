@@ -53,12 +53,12 @@ test-core-%:
 # What holds must hold with the newest numpy, and on processors that have less than this one, whose sines are others.
 ELSEWHERE := .venv/newest/bin/python
 NARROW = NPY_DISABLE_CPU_FEATURES="$$($(ELSEWHERE) -c 'from tests.support.libraries import chosen_instructions as all; print(*all())')"
-NUMERIC_TESTS := tests/core/geodesy tests/core/mission tests/core/report tests/core/poses tests/core/dataset \
-	tests/core/capture/test_same_everywhere.py
+NUMERIC_TESTS := tests/core/geodesy tests/core/mission tests/core/report tests/core/poses tests/core/dataset
 
 test-elsewhere: setup  ## what computes, with the newest numpy and Pillow, and without what numpy takes of this processor alone
 	@bash tools/setup.sh newest
 	$(NARROW) $(ELSEWHERE) -m pytest $(NUMERIC_TESTS) -m "not thorough"
+	$(NARROW) $(ELSEWHERE) -m pytest tests/core/capture/test_same_everywhere.py
 
 test-plugin: setup translations  ## only the tests that run inside the real QGIS
 	$(call TEST_PLUGIN,tests/plugin)

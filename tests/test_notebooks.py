@@ -208,6 +208,7 @@ def test_datacleaner_writes_the_marks_when_it_is_told_to(execute, captured, tmp_
     assert bytes_of(by_notebook) == bytes_of(by_library)
 
 
+@pytest.mark.thorough
 def test_preprocess_comes_to_what_split_and_loader_do(execute, captured, tmp_path):
     by_notebook, by_library = tmp_path / "by_notebook", tmp_path / "by_library"
     for folder in (by_notebook, by_library):

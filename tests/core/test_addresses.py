@@ -205,7 +205,7 @@ def command(tmp_path, monkeypatch, capfd):
     return run
 
 
-@pytest.mark.parametrize("text", STORES)
+@pytest.mark.parametrize("text", sampled(STORES, 5))
 def test_a_capture_into_an_address_with_credentials_leaves_nothing_of_them(command, text):
     for more in ([], ["--json"], ["--resume"]):
         code, said = command("capture", "--coords", COORDS, "--data-dir", text, *more)
@@ -224,7 +224,7 @@ def test_a_capture_on_a_cluster_with_credentials_leaves_nothing_of_them(command,
 @pytest.mark.parametrize("text", [STORES[2], STORES[19]])
 @pytest.mark.parametrize(
     "argv",
-    [
+    sampled([
         ["clean"], ["split"], ["load"], ["mosaic"], ["export", "--as", "stac"], ["poses", "read", "--output", "x.csv"],
         ["plan"], ["capture", "--data-dir", "out"], ["convert", "out"], ["sources", "show"], ["sources", "add", "x"],
         ["benchmark", "run", "--method", "pixels"], ["benchmark", "score"], ["benchmark", "make"],
@@ -237,7 +237,7 @@ def test_a_capture_on_a_cluster_with_credentials_leaves_nothing_of_them(command,
             )
         ),
         ["report", "--coords", COORDS, "--output"],
-    ],
+    ], 5),
     ids=" ".join,
 )  # fmt: skip
 def test_no_option_repeats_credentials(command, argv, text):

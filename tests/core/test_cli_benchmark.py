@@ -26,6 +26,7 @@ def make(terrainav, *more):
     )
 
 
+@pytest.mark.thorough
 def test_the_walk_from_nothing_to_figures(terrainav, tmp_path):
     made = make(terrainav)
     assert made.returncode == 0, made.stderr

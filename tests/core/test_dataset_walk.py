@@ -78,6 +78,7 @@ def shell(tmp_path):
     return run
 
 
+@pytest.mark.thorough
 def test_the_documented_line_goes_from_capture_to_training(shell):
     pytest.importorskip("torch", reason="the walk's training is with PyTorch")
     line = documented()

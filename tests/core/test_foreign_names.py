@@ -139,6 +139,7 @@ def test_a_map_type_may_be_a_link(run, tmp_path, kind):
         assert files[0]["contentUrl"] == "satellite/meta_data.csv"
 
 
+@pytest.mark.thorough
 def test_what_the_output_has_no_word_for_is_printed_all_the_same(tmp_path):
     """Of names in an encoding that lacks them, and of names that are no text."""
     folder = tmp_path / "é"

@@ -370,6 +370,7 @@ def test_polygons_and_points_stay_on_the_earth():
     assert [pose[1] for pose in points.poses] == [-178.0, -176.0]
 
 
+@pytest.mark.thorough
 def test_dark_theme(desk, screenshot):
     """For a person to look at; the readout's text must differ from what is behind it."""
     from qgis.core import QgsApplication

@@ -203,6 +203,7 @@ def test_cancelled_it_goes_on_where_it_was(made, mission_file, tmp_path):
 # --- judged
 
 
+@pytest.mark.thorough
 def test_a_baseline_finds_queries_of_the_reference_itself(made, tmp_path):
     feedback = Feedback()
     found = run("scorebenchmark", feedback, BENCHMARK=str(made), METHOD="ncc", FOLDER=str(tmp_path / "ncc"))

@@ -174,6 +174,7 @@ def test_overviews_are_the_mean_of_the_pixels(prepared):
         assert np.abs(got - means)[whole].max() <= 1.0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("image_format", sampled(["jpg", "png"], 2))
 def test_other_formats_make_a_mosaic_too(prepared, image_format):
     prepared.choose(prepared.form.image_format, image_format)
@@ -260,6 +261,7 @@ def test_failed_images_are_named_and_the_others_written(prepared, server):
     assert not (prepared.folder / "failed.geojson").exists()
 
 
+@pytest.mark.thorough
 def test_folder_of_another_mission_is_left_alone(prepared):
     capture(prepared)
     before = {path: path.read_bytes() for path in prepared.folder.rglob("*") if path.is_file()}

@@ -31,6 +31,7 @@ from tests.plugin.test_addresses import open_address, serve
 from tests.plugin.test_project import choose_in_menu
 from tests.support.ranges import RangeServer
 from tests.support.shards import write_folders
+from tests.support.thinning import sampled
 
 POINT = '{"type": "Feature", "properties": {"name": "1_1"}, "geometry": {"type": "Point", "coordinates": [1, 2]}}'
 # What a file called footprints.geojson may be instead, and the address that each names, or a file outside.
@@ -99,7 +100,7 @@ def open_folder(desk, monkeypatch, folder):
     desk.wait_for_tasks()
 
 
-@pytest.mark.parametrize("kind", DOCUMENTS)
+@pytest.mark.parametrize("kind", sampled(DOCUMENTS, 4))
 def test_what_is_no_footprints_is_refused_when_a_folder_is_opened(desk, monkeypatch, folder, other, tmp_path, kind):
     (folder / "footprints.geojson").write_text(document(kind, other, tmp_path), "utf-8")
     open_folder(desk, monkeypatch, folder)

@@ -59,6 +59,7 @@ def test_capture_of_an_undated_source_follows_a_wrong_date(desk):
 
 
 # Each value of each choice, or each with each.
+@pytest.mark.thorough
 @pytest.mark.parametrize("step", [5, pytest.param(1, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("source", [DATED, UNDATED])
 def test_nothing_hidden_is_asked_for_whatever_is_chosen(desk, source, step):

@@ -243,6 +243,7 @@ def _target(link):
         return None  # closed meanwhile: the one that lists
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("uses", [2, pytest.param(3, marks=pytest.mark.thorough)])
 def test_nothing_is_left_behind_by_what_was_used(unloaded, iface, qtbot, tmp_path, monkeypatch, uses):
     """Loaded, used in full and unloaded while it works, again and again."""

@@ -232,6 +232,7 @@ def test_a_mosaic_that_is_as_it_should_be_is_not_made_anew(one_of_nine):
     assert_shows_all(desk)
 
 
+@pytest.mark.thorough
 def test_a_mosaic_that_cannot_be_replaced_is_named_and_shown_as_it_was(one_of_nine, monkeypatch):
     """As on Windows, where another program has it open."""
     from terrainav.terrainav_plugin.dataset import mosaic

@@ -215,6 +215,7 @@ def test_preview_goes_from_one_crs_to_another(desk, tmp_path):
             assert edges_of(drawn[name]) == pytest.approx(edges, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_styled_layer_is_captured_in_its_style_at_its_own_pixels(desk, tmp_path):
     """One band in grey, stretched: as QGIS shows it, pixel by pixel."""
     values, (west, pixel, _, north, _, _) = noise(tmp_path / "ortho.tif", *POLE)

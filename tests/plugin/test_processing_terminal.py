@@ -82,6 +82,7 @@ def help_of_plan(terminal):
     return terminal("help", "terrainav:plan").stdout
 
 
+@pytest.mark.thorough
 def test_the_algorithms_are_listed_and_explained(terminal, help_of_plan):
     listed = terminal("list").stdout
     for name in (

@@ -70,6 +70,7 @@ def test_reopened_project_brings_the_mission_back(captured):
     assert not captured.dock.preview.isChecked()
 
 
+@pytest.mark.thorough
 def test_project_moved_with_its_dataset_knows_where_it_is(captured, tmp_path):
     moved = tmp_path / "elsewhere"
     captured.iface.newProject(False)
@@ -250,6 +251,7 @@ def test_dataset_of_the_command_comes_with_mosaic_footprints_and_failures(desk, 
     assert ids <= set(QgsProject.instance().mapLayers())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", sampled(["a|b", "50% & 'more' #1; ünï", "[x] {y}?z"], 3))
 def test_folders_may_have_any_name(desk, tmp_path, name):
     """Layers, the saved project and the viewer find what is in them."""
@@ -296,6 +298,7 @@ def test_large_footprints_are_measured_before_the_main_thread_asks(desk, tmp_pat
         assert desk.layer("Captured images").readExtentFromXml()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files are listed on Linux only")
 def test_runs_that_are_over_keep_no_file_open(desk):
     """Twice into the same folder: the second run's layers are not needed."""

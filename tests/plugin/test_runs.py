@@ -142,6 +142,7 @@ def test_paused_run_asks_for_nothing_and_its_time_stands_still(prepared, server)
     assert len(pictures(run.folder)) == len(run.plan)
 
 
+@pytest.mark.thorough
 def test_paused_run_keeps_its_place_and_can_be_cancelled(prepared, server):
     server.latency_s = SLOW_S
     first = press_capture(prepared)
@@ -191,6 +192,7 @@ def test_what_was_pressed_is_captured_whatever_is_entered_later(prepared, server
         assert len(pictures(run.folder)) == len(run.plan)
 
 
+@pytest.mark.thorough
 def test_failed_images_come_to_the_map_while_the_run_goes_on(prepared, server, screenshot):
     planned = prepared.session.planned.plan
     server.latency_s = SLOW_S

@@ -201,6 +201,7 @@ def test_failures_name_no_key(desk, tmp_path, configured, heard):
     assert_kept_secret(desk, tmp_path, heard, KEY)
 
 
+@pytest.mark.thorough
 def test_http_authentication_of_an_own_source(desk, tmp_path, configured, tiles, heard):
     authcfg = configured(PASSWORD)
     add("closed", described(tiles.url + "/{z}/{x}/{y}.png", title="Closed", requests_per_s=10_000.0))

@@ -98,6 +98,7 @@ def test_algorithms_work_on_threads_of_python(qtbot):
     assert seen == [False]
 
 
+@pytest.mark.thorough
 def test_layers_of_a_run_are_transformed_after_its_threads_have_ended(desk):
     """Their CRSs were lost with the thread that had opened them: QGIS took metres for degrees, or the reverse."""
     desk.enter_coarse_mission()

@@ -295,6 +295,7 @@ def test_a_closed_transport_starts_nothing(server, transport_of):
     assert server.seen == []
 
 
+@pytest.mark.thorough
 def test_a_capture_in_a_task_gets_every_pixel_right(qtbot, tmp_path):
     with TileServer() as tiles:
         key = "odd/+secret&key"

@@ -374,6 +374,7 @@ def drive(desk, line, texts):
     return errors
 
 
+@pytest.mark.thorough
 def test_no_text_brings_an_unexpected_error_to_a_user(desk, monkeypatch):
     # Nothing is timed beside it.
     monkeypatch.setattr(desk.session.planning, "_may_time", lambda: False)

@@ -179,6 +179,7 @@ def test_several_images_under_one_click_are_listed(desk, captured, viewing):
     desk.wait(lambda: viewing.seen.shot.name == names[wanted])
 
 
+@pytest.mark.thorough
 def test_camera_frames_show_what_has_no_ground_as_transparent(desk, captured, viewing, screenshot):
     def tilt():
         desk.enter_box("35.14", "-89.87", "35.1395", "-89.8695")

@@ -135,6 +135,7 @@ def test_torch_has_the_same_pairs(benchmark):
     assert (tuple(query.shape), tuple(tile.shape), tuple(label.shape)) == ((3, 12, 16), (3, 12, 16), (2,))
 
 
+@pytest.mark.thorough
 def test_keras_has_the_same_pairs(benchmark):
     pytest.importorskip("torch")
     os.environ.setdefault("KERAS_BACKEND", "torch")

@@ -24,7 +24,6 @@ from terrainav.core.storage.files import open_locked
 from tests.support.caches import check_cache
 from tests.support.forks import KILLED, ROOT, Driver
 from tests.support.sources import PatternSource
-from tests.support.thinning import sampled
 from tests.support.tileserver import TileServer
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system kills no processes by signals")
@@ -120,6 +119,7 @@ def killed_until_complete(run, folder, whole, kills, chance, longest_s):
     raise AssertionError(f"not complete after {MOST_RUNS} runs")
 
 
+@pytest.mark.thorough
 @KILLS
 def test_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_path, most):
     chance, kills, turn = random.Random(SEED), 0, 0
@@ -203,7 +203,7 @@ def test_killed_before_each_change_to_the_folder(driver, tmp_path, places, image
 
 
 @PLACES
-@pytest.mark.parametrize("back", sampled([False, True], 2), ids=["clean", "undo"])
+@pytest.mark.parametrize("back", [False, True], ids=["clean", "undo"])
 def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(driver, tmp_path, back, places, images, step):
     def files(folder):
         return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

@@ -119,6 +119,7 @@ def test_a_run_that_was_overtaken_ends_and_leaves_all_as_it_is(tmp_path, kind, s
     assert not (place / "run.lease").exists()
 
 
+@pytest.mark.thorough
 def test_a_run_that_nobody_overtook_goes_on(tmp_path):
     (tmp_path / "signals").mkdir()
     with stopped_in_the_middle("no-locks", tmp_path / "out", tmp_path / "signals") as first:

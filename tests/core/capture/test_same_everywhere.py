@@ -17,6 +17,9 @@ from PIL import Image
 
 from tests.support.libraries import chosen_instructions
 
+# Two environments are compared: `make test-elsewhere` does, whatever else it leaves out.
+pytestmark = pytest.mark.thorough
+
 ROOT = Path(__file__).resolve().parents[3]
 IMAGES = (".tif", ".jpg", ".png")
 #: What describes images one by one, beside them.

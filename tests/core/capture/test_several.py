@@ -115,6 +115,7 @@ def test_each_imagery_is_a_dataset_as_its_own_mission_makes_it(of_dates, tmp_pat
     assert contents(folder / "2020") == contents(tmp_path / "alone")
 
 
+@pytest.mark.thorough
 def test_stopped_and_resumed_it_leaves_the_same_bytes(of_dates, tmp_path):
     mission, folder, whole = of_dates
     images = itertools.count()

@@ -14,6 +14,8 @@ from terrainav.core.errors import Cancelled
 from terrainav.core.external import native_calls
 from terrainav.core.external.native_calls import NativeCall
 
+from tests.support.thinning import sampled
+
 PLACE = "47.8206_11.5450_47.8200_11.5460_60"
 #: Two files, of a few bytes, that GDAL reads for many minutes: 400 times the mean over 900 million pixels.
 WIDE_PX, TIMES = 30_000, 400
@@ -115,17 +117,20 @@ def test_calls_are_left_once_the_program_is_asked_to_end():
 @pytest.mark.skipif(os.name == "nt", reason="Windows ends processes without asking them")
 @pytest.mark.parametrize(
     ("arguments", "number", "code"),
-    [
-        (["plan", "--source", "world", "--elevation", "slow.vrt"], signal.SIGINT, 130),
-        (["plan", "--source", "world", "--elevation", "550", "--surface", "slow.vrt"], signal.SIGTERM, 143),
-        (["report", "--source", "slow.vrt", "--output", "report"], signal.SIGINT, 130),
-        (
-            ["capture", "--source", "world", "--elevation", "slow.vrt", "--data-dir", "out"],
-            signal.SIGTERM,
-            143,
-        ),
-        (["capture", "--source", "slow.vrt", "--data-dir", "out"], signal.SIGINT, 130),
-    ],
+    sampled(
+        [
+            (["plan", "--source", "world", "--elevation", "slow.vrt"], signal.SIGINT, 130),
+            (["plan", "--source", "world", "--elevation", "550", "--surface", "slow.vrt"], signal.SIGTERM, 143),
+            (["report", "--source", "slow.vrt", "--output", "report"], signal.SIGINT, 130),
+            (
+                ["capture", "--source", "world", "--elevation", "slow.vrt", "--data-dir", "out"],
+                signal.SIGTERM,
+                143,
+            ),
+            (["capture", "--source", "slow.vrt", "--data-dir", "out"], signal.SIGINT, 130),
+        ],
+        3,
+    ),
     ids=["heights", "surface", "report", "heights of a capture", "capture"],
 )
 def test_signals_are_heard_while_gdal_reads(tmp_path, slow, arguments, number, code):

@@ -106,6 +106,7 @@ def test_what_is_flown_counts_with_its_turns_and_ways_around():
     assert f", {length_text(said)} with turns, {round(100.0 * found.gain)} % shorter than 90°" in found.text()
 
 
+@pytest.mark.thorough
 def test_a_flight_that_is_hardly_longer_is_kept():
     found = align_rows(Mission(strip(57.0), 220.0, WIDE), GRID)
     assert align_rows(found.mission, GRID).mission == found.mission

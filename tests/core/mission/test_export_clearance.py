@@ -327,6 +327,7 @@ def test_level_ground_below_images_says_nothing_of_the_ways_between(dem, tmp_pat
     assert min(least for least, _ in found.values()) >= LEAST_M
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "seeds",
     [(6, 8, 12, 19), pytest.param(range(400), marks=pytest.mark.thorough)],

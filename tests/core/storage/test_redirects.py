@@ -10,6 +10,8 @@ import pytest
 from terrainav.core.errors import OutputError
 from terrainav.core.storage import stores
 
+from tests.support.thinning import sampled
+
 REGION = {"x-amz-bucket-region": "eu-west-1"}
 ERROR = "<?xml version='1.0'?><Error><Code>{code}</Code><Message>m</Message><Endpoint>{host}</Endpoint></Error>"
 
@@ -110,7 +112,7 @@ def s3(monkeypatch):
     s3fs.S3FileSystem.clear_instance_cache()
 
 
-@pytest.mark.parametrize("ask", ASKED)
+@pytest.mark.parametrize("ask", sampled(ASKED, 4))
 @pytest.mark.parametrize("kind", [307, "PermanentRedirect"])
 def test_s3_is_asked_where_the_user_has_said(s3, other, kind, ask):
     with Server(leading(kind, other.server_port)) as first:

@@ -226,6 +226,7 @@ def test_what_has_no_end_is_refused_before_it_fills_the_memory():
     ]
 
 
+@pytest.mark.thorough
 def test_a_scheduler_that_says_nothing_to_the_point_is_given_up():
     with hostile("silent") as silent, hostile("zeros") as zeros, hostile("endless") as endless:
         servers = (silent, zeros, endless)

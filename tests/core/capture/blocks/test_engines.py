@@ -65,6 +65,7 @@ def test_workers_keep_the_memory_of_arrays(cluster):
     assert cluster.executor.submit(os.environ.get, "MALLOC_TRIM_THRESHOLD_").result() is None
 
 
+@pytest.mark.thorough
 def test_a_worker_that_is_gone_for_good_is_replaced(monkeypatch):
     monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
     dask = pytest.importorskip("dask")
@@ -114,6 +115,7 @@ def test_a_worker_that_dies_while_its_result_is_fetched_is_told_of(tmp_path):
     assert running._describe(wrong) == "its worker died"
 
 
+@pytest.mark.thorough
 def test_a_cluster_ends_while_a_worker_is_begun_again(monkeypatch):
     """One that dies just as it has begun: Dask takes the next for it, whose process it has not begun yet."""
     process, nanny = distributed.process.AsyncProcess, distributed.nanny.WorkerProcess

@@ -168,7 +168,7 @@ def test_options_are_checked(shards, name, value):
 
 
 @pytest.mark.parametrize("workers", sampled([0, 1, 2, 5], 2))
-@pytest.mark.parametrize("augment", [None, "auto"])
+@pytest.mark.parametrize("augment", sampled([None, "auto"], 2))
 def test_threads_make_the_same_batches_from_every_place(shards, in_s3, in_memory, workers, augment):
     choice = {"augment": augment, "part": "all"}
     for epoch in (0, 1):

@@ -93,6 +93,7 @@ def filled(server, cache):
     return file.path
 
 
+@pytest.mark.thorough
 def test_two_programs_at_once(server, cache):
     both = [other_program(server, cache.folder, columns) for columns in ((0, 40), (20, 60))]
     for program in both:

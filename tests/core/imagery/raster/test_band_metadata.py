@@ -117,7 +117,7 @@ def test_values_that_are_stretched_mean_something_else(image_format, tmp_path):
     assert quantities(opened, 3) == ((1.0, 0.0, ""),) * 3
 
 
-@pytest.mark.parametrize(("data_type", "nodata"), [("int16", -9999), ("uint16", 0), ("float32", -9999.5)])
+@pytest.mark.parametrize(("data_type", "nodata"), sampled([("int16", -9999), ("uint16", 0), ("float32", -9999.5)], 3))
 def test_a_band_alone_without_data_stays_so(data_type, nodata, tmp_path, library):
     values = np.full((2, SIDE, SIDE), 1000, data_type)
     values[1, ::7, ::5] = nodata
@@ -205,6 +205,7 @@ def test_loaders_say_what_stored_values_mean(data_type, tmp_path):
         assert LabelledImages(tmp_path / "out", part="all").bands is None
 
 
+@pytest.mark.thorough
 def test_a_palette_of_more_than_256_colours_is_looked_up(tmp_path, library):
     rng = np.random.default_rng(2)
     values = rng.integers(0, 3000, (1, SIDE, SIDE), np.uint16)

@@ -97,6 +97,7 @@ def test_an_address_is_a_source_by_name_and_not_on_this_machine(url, values):
         open_source(f"{url}?token=word")
 
 
+@pytest.mark.thorough
 def test_a_busy_server_is_asked_again(server, url, values):
     server.faults = [503, 0, 429]
     source = open_raster(url)

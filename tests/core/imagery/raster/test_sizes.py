@@ -26,6 +26,7 @@ from terrainav.core.limits import (  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
 from tests.support.growth import PROPORTIONAL, growth  # noqa: E402
+from tests.support.thinning import sampled  # noqa: E402
 
 PLACE = (690_000.0, 1.0, 0.0, 5_300_000.0, 0.0, -1.0)
 SOURCE = '<SimpleSource><SourceFilename relativeToVRT="1">{0}</SourceFilename></SimpleSource>'
@@ -125,15 +126,18 @@ def test_gdal_is_asked_for_blocks_of_formats_that_are_not_looked_through(tmp_pat
 
 @pytest.mark.parametrize(
     ("width", "height", "bands", "data_type", "options"),
-    [
-        (3_601, 3_601, 1, gdal.GDT_Int16, ("COMPRESS=DEFLATE", "BLOCKYSIZE=3601")),
-        (10_000, 10_000, 3, gdal.GDT_Byte, ()),
-        (10_000, 10_000, 3, gdal.GDT_Byte, ("BLOCKYSIZE=10000",)),
-        (20_000, 20_000, 4, gdal.GDT_UInt16, ("BLOCKYSIZE=20000", "BIGTIFF=YES")),
-        (40_000, 40_000, 3, gdal.GDT_Byte, ("COMPRESS=JPEG", "BLOCKYSIZE=8", "PHOTOMETRIC=YCBCR")),
-        (40_000, 40_000, 1, gdal.GDT_Byte, ("NBITS=1", "COMPRESS=CCITTFAX4", "BLOCKYSIZE=40000")),
-        (100_000, 100_000, 3, gdal.GDT_Byte, ("TILED=YES", "COMPRESS=LZW", "BIGTIFF=YES")),
-    ],
+    sampled(
+        [
+            (3_601, 3_601, 1, gdal.GDT_Int16, ("COMPRESS=DEFLATE", "BLOCKYSIZE=3601")),
+            (10_000, 10_000, 3, gdal.GDT_Byte, ()),
+            (10_000, 10_000, 3, gdal.GDT_Byte, ("BLOCKYSIZE=10000",)),
+            (20_000, 20_000, 4, gdal.GDT_UInt16, ("BLOCKYSIZE=20000", "BIGTIFF=YES")),
+            (40_000, 40_000, 3, gdal.GDT_Byte, ("COMPRESS=JPEG", "BLOCKYSIZE=8", "PHOTOMETRIC=YCBCR")),
+            (40_000, 40_000, 1, gdal.GDT_Byte, ("NBITS=1", "COMPRESS=CCITTFAX4", "BLOCKYSIZE=40000")),
+            (100_000, 100_000, 3, gdal.GDT_Byte, ("TILED=YES", "COMPRESS=LZW", "BIGTIFF=YES")),
+        ],
+        4,
+    ),
     ids=[
         "heights in a strip",
         "rows",
@@ -159,12 +163,15 @@ def test_no_block_is_larger_than_the_limit():
 
 @pytest.mark.parametrize(
     ("content", "most", "what"),
-    [
-        (lambda n: '<VRTRasterBand dataType="Byte"/>' * n, MAX_RASTER_BANDS, "bands"),
-        (lambda n: BAND.format("<Overview/>" * n), MAX_RASTER_OVERVIEWS, "overviews of a band"),
-        (lambda n: BAND.format("") + "<MDI/>" * n, MAX_RASTER_ITEMS, "items of metadata"),
-        (lambda n: BAND.format("") + "<GCPList>" + "<GCP/>" * n, MAX_RASTER_ITEMS, "ground control points"),
-    ],
+    sampled(
+        [
+            (lambda n: '<VRTRasterBand dataType="Byte"/>' * n, MAX_RASTER_BANDS, "bands"),
+            (lambda n: BAND.format("<Overview/>" * n), MAX_RASTER_OVERVIEWS, "overviews of a band"),
+            (lambda n: BAND.format("") + "<MDI/>" * n, MAX_RASTER_ITEMS, "items of metadata"),
+            (lambda n: BAND.format("") + "<GCPList>" + "<GCP/>" * n, MAX_RASTER_ITEMS, "ground control points"),
+        ],
+        3,
+    ),
     ids=["bands", "overviews", "metadata", "points"],
 )
 def test_what_a_vrt_has_is_counted_before_gdal_sees_it(tmp_path, library, monkeypatch, content, most, what):

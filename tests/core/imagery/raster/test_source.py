@@ -24,6 +24,7 @@ from terrainav.core.mission.plan import plan  # noqa: E402
 from terrainav.core.picture.map_frame import assemble  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
+from tests.support.thinning import sampled  # noqa: E402
 
 #: These are about rasters as pixels of the map; `test_own_pixels` is about their own.
 open_raster = partial(open_any, own_pixels=False)
@@ -87,18 +88,21 @@ def assert_shows_its_position(pixels, x_px, y_px, most_px, reach_px):
 
 @pytest.mark.parametrize(
     ("epsg", "geotransform"),
-    [
-        (UTM_EPSG, UTM),
-        (2056, (2_600_000.0, 2.0, 0.0, 1_200_000.0, 0.0, -2.0)),
-        (4326, (9.0, 3e-5, 0.0, 48.0, 0.0, -2e-5)),
-        pytest.param(3035, (4_300_000.0, 2.0, 0.0, 2_800_000.0, 0.0, -2.0), marks=pytest.mark.thorough),
-        # Turned by 30°, and one that counts its rows from the south.
-        (UTM_EPSG, (505_000.0, math.sqrt(3.0), 1.0, 5_317_000.0, 1.0, -math.sqrt(3.0))),
-        (UTM_EPSG, (505_000.0, 2.0, 0.0, 5_316_000.0, 0.0, 2.0)),
-        # The map's own system, off its grid.
-        pytest.param(3857, (1_013_000.3, 2.1, 0.0, 6_106_000.7, 0.0, -2.1), marks=pytest.mark.thorough),
-        (3857, (1_013_000.3, 2.1, 0.5, 6_106_000.7, 0.5, -2.1)),
-    ],
+    sampled(
+        [
+            (UTM_EPSG, UTM),
+            (2056, (2_600_000.0, 2.0, 0.0, 1_200_000.0, 0.0, -2.0)),
+            (4326, (9.0, 3e-5, 0.0, 48.0, 0.0, -2e-5)),
+            pytest.param(3035, (4_300_000.0, 2.0, 0.0, 2_800_000.0, 0.0, -2.0), marks=pytest.mark.thorough),
+            # Turned by 30°, and one that counts its rows from the south.
+            (UTM_EPSG, (505_000.0, math.sqrt(3.0), 1.0, 5_317_000.0, 1.0, -math.sqrt(3.0))),
+            (UTM_EPSG, (505_000.0, 2.0, 0.0, 5_316_000.0, 0.0, 2.0)),
+            # The map's own system, off its grid.
+            pytest.param(3857, (1_013_000.3, 2.1, 0.0, 6_106_000.7, 0.0, -2.1), marks=pytest.mark.thorough),
+            (3857, (1_013_000.3, 2.1, 0.5, 6_106_000.7, 0.5, -2.1)),
+        ],
+        3,
+    ),
     ids=["utm", "lv95", "geographic", "laea", "turned", "south-up", "map", "map-turned"],
 )
 def test_pixels_lie_where_an_independent_transformation_puts_them(epsg, geotransform, tmp_path):
@@ -289,7 +293,7 @@ def test_beyond_the_edge_there_is_no_imagery(tmp_path):
     source.close()
 
 
-@pytest.mark.parametrize(("resampling", "most_px"), [("NEAREST", 0.145), ("AVERAGE", 0.02)])
+@pytest.mark.parametrize(("resampling", "most_px"), sampled([("NEAREST", 0.145), ("AVERAGE", 0.02)], 2))
 def test_far_below_the_native_zoom_overviews_serve(resampling, most_px, tmp_path, library, monkeypatch):
     size, down = 2048, 4
     columns, rows = np.meshgrid(np.arange(size) + 0.5, np.arange(size) + 0.5)
