@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +17,7 @@ from ..geodesy.mercator import PixelGrid
 from ..geodesy.view import Patches, Samples, View
 from ..imagery.source import Part, Window
 from .map_frame import checked
-from .resampling import sample
+from .resampling import PackedImage
 
 #: Channels of an RGB image.
 _COLOURS = 3
@@ -42,13 +44,19 @@ def parts_of_tiles(grid: PixelGrid, tiles: Sequence[Sequence[int]]) -> list[Part
     ]
 
 
-class _Ground(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Ground:
     """Pixels of one zoom that a picture needs, and the position of their upper left corner in the world."""
 
     pixels: PixelValues
     missing: NDArray[np.bool_] | None
     left_px: int
     top_px: int
+
+    @cached_property
+    def packed(self) -> PackedImage:
+        """The pixels, to be sampled."""
+        return PackedImage(self.pixels)
 
 
 def render(
@@ -214,5 +222,5 @@ def _gather(picture: PixelValues, samples: Samples, ground: _Ground, grid: Pixel
         if ground.missing is not None:
             near = ground.missing[np.clip(y.astype(np.intp), 0, height - 1), np.clip(x.astype(np.intp), 0, width - 1)]
             _refuse_missing(int(np.count_nonzero(near)))
-        values = sample(ground.pixels, x, y, kernel).reshape(-1, count, picture.shape[2]).mean(axis=1)
+        values = ground.packed.sample(x, y, kernel).reshape(-1, count, picture.shape[2]).mean(axis=1)
         picture[samples.row[part], samples.column[part]] = fitted(values, picture.dtype)
