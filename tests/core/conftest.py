@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import settings
 
 from tests.support.thinning import examples
 
 settings.register_profile("same every time", derandomize=True, deadline=None, max_examples=examples(100))
 settings.load_profile("same every time")
+
+
+@pytest.fixture(params=["numpy", "compiled"])
+def ray_code(request, monkeypatch):
+    """The code that follows rays over relief: numpy's, and what numba has compiled."""
+    from terrainav.core.compiling import uses_numba
+    from terrainav.core.geodesy.raytracing import surface
+
+    if request.param == "compiled" and not uses_numba():
+        pytest.skip("numba is not installed")
+    monkeypatch.setattr(surface, "uses_numba", lambda: request.param == "compiled")

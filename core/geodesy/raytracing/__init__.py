@@ -3,6 +3,8 @@
 In reading order:
 
 - `paths`: paths of rays in map coordinates, as polynomials
+- `pyramid`: greatest values of a grid's cells in ever larger blocks
+- `kernels`: rays followed one by one, compiled by numba
 - `surface`: heights on a grid, and the first hit of each ray
 - `tracing`: the rays of an image, the ground at its pixels, and its camera frame
 """

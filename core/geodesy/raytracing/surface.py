@@ -4,18 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Flags, Floats, Numbers
+from ...arrays import Flags, Floats
+from ...compiling import uses_numba
 from ..ellipsoid import WGS84, sight_lines, trace
 from ..mercator import PixelGrid
 from .paths import Paths, evaluate, fit_paths, interpolate_rays
+from .pyramid import Pyramid
+
+if TYPE_CHECKING:
+    from .kernels import Rules
 
 #: Sides, px, of square bundles of pixels followed together; each bundle leads the smaller ones in it near the ground.
 _BUNDLES_PX = (64, 16, 4)
+#: Rows of pixels followed at a time: their data fits a processor's cache.
+_STRIPE_PX = 32
 #: Iterations of Newton's method.
 _TURNS = 3
 #: Most steps along a ray; rays that graze a surface for longer are abandoned.
@@ -145,22 +152,30 @@ class Surface:
         return float(np.nanmax(self.heights_m))
 
     @cached_property
-    def _tops(self) -> _Pyramid:
+    def _tops(self) -> Pyramid:
         """Greatest heights."""
         h = np.where(np.isnan(self.heights_m), -np.inf, self.heights_m)
-        return _Pyramid.build(np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])))
+        return Pyramid.build(np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])))
 
     @cached_property
-    def _slopes(self) -> tuple[_Pyramid, _Pyramid]:
+    def _slopes(self) -> tuple[Pyramid, Pyramid]:
         """Greatest slopes along rows and along columns, metres per pixel, up or down."""
         h = np.asarray(self.heights_m, np.float64)
         across, down = np.abs(np.diff(h, axis=1)), np.abs(np.diff(h, axis=0))
         # A cell without ground counts as infinitely steep.
         first, second = (
-            _Pyramid.build(np.where(np.isnan(steep), np.inf, steep))
+            Pyramid.build(np.where(np.isnan(steep), np.inf, steep))
             for steep in (np.maximum(across[:-1], across[1:]), np.maximum(down[:, :-1], down[:, 1:]))
         )
         return first, second
+
+    @cached_property
+    def _grids(self) -> tuple[Floats, Pyramid, Rules]:
+        """What `kernels` need of the surface."""
+        from .kernels import Rules
+
+        rules = Rules(self.lowest_m, _TOUCHING_M, _SPEEDING, _SLOWEST, _MOST_STEPS)
+        return np.ascontiguousarray(self.heights_m, np.float64), self._tops, rules
 
     def heights(self, column: Floats, row: Floats) -> Floats:
         """Heights at columns and rows (n,); NaN without ground."""
@@ -183,7 +198,7 @@ class Surface:
     def first_hits(self, start: Floats, coefficients: Floats, farthest: Floats) -> Hits:
         """First hits of rays, given by the coefficients of their paths, up to t (n,)."""
         t, _ = self.clear(start, coefficients, np.zeros(len(farthest)), farthest, None, 0)
-        return self._exact(start, coefficients, t, farthest)
+        return self.search_cells(start, coefficients, t, farthest)
 
     def first_points(
         self, lat_deg: Floats, lon_deg: Floats, height_m: Floats, rays_enu: Floats, lowest_m: float
@@ -341,9 +356,31 @@ class Surface:
             t, larger = np.where(may_hit, clear, np.inf).reshape(middle.shape[2:]), side
             if np.isinf(t).all():
                 return Hits(*(np.full(after.shape, np.nan) for _ in range(3)))
+        if uses_numba():
+            return self._compiled_pixels(paths.start, forms, rays, after, t, farthest)
         falls = self._falling(paths.start, middle.reshape(flat), spread.reshape(pairs), t.ravel(), farthest)
         falling = [one.reshape(t.shape) for one in falls]
         return self._pixels(paths.start, forms, rays, (after, t, *falling), farthest, tolerance_px)
+
+    def _compiled_pixels(
+        self, start: Floats, forms: list[Floats], rays: PixelRays, after: Floats, t: Floats, farthest: float
+    ) -> Hits:
+        """First hits of the pixels of bundles that hit nothing before t, each searched cell by cell."""
+        side = _BUNDLES_PX[-1]
+        found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
+        x_px = np.arange(rays.width) + 0.5
+        for top in range(0, rays.height, _STRIPE_PX):
+            rows = slice(top, min(top + _STRIPE_PX, rays.height))
+            first = t[top // side : -(-rows.stop // side)]
+            if not np.isfinite(first).any():
+                continue
+            coefficients = _on_grid(forms, x_px, np.arange(rows.start, rows.stop) + 0.5)
+            begin = np.maximum(_finer(first, coefficients.shape[2:], side), after[rows]).ravel()
+            coefficients = coefficients.reshape(len(forms), 3, -1)
+            hits = self.search_cells(start, coefficients, begin, np.full(len(begin), farthest))
+            for whole, part in zip(found, hits):
+                whole[rows] = part.reshape(-1, rays.width)
+        return found
 
     def _falling(
         self, start: Floats, middle: Floats, spread: Floats, after: Floats, farthest: float
@@ -389,9 +426,8 @@ class Surface:
         found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
         close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         x_px = np.arange(rays.width) + 0.5
-        # The data of 32 rows fits a processor's cache.
-        for top in range(0, rays.height, 32):
-            bottom = min(top + 32, rays.height)
+        for top in range(0, rays.height, _STRIPE_PX):
+            bottom = min(top + _STRIPE_PX, rays.height)
             part = slice(top // side, -(-bottom // side))
             if not np.isfinite(t[part]).any():
                 continue
@@ -421,7 +457,7 @@ class Surface:
             others = np.flatnonzero(rest)
             if len(others):
                 ends = np.full(len(others), farthest)
-                exact = self._exact(start, coefficients.take(others, axis=2), first[others], ends)
+                exact = self.search_cells(start, coefficients.take(others, axis=2), first[others], ends)
                 for values, new in zip(whole, exact):
                     values[others] = new
         return found
@@ -512,6 +548,22 @@ class Surface:
         may_hit : array (n,) of bool
             Whether the ray may hit something from t on.
         """
+        if uses_numba():
+            from . import kernels
+
+            nothing = np.empty((0, 2, 1))
+            return cast(
+                "tuple[Floats, Flags]",
+                kernels.clear(
+                    *self._grids,
+                    _columns(start),
+                    coefficients,
+                    nothing if spread is None else spread,
+                    np.asarray(after, np.float64),
+                    farthest,
+                    least_level,
+                ),
+            )
         tops = self._tops
         t_found, may_hit = np.array(after, np.float64), np.zeros(len(after), bool)
         index = np.flatnonzero(after <= farthest)
@@ -581,8 +633,12 @@ class Surface:
         )
         return beside
 
-    def _exact(self, start: Floats, coefficients: Floats, after: Floats, farthest: Floats) -> Hits:
-        """First hits, searched cell by cell from where `clear` stopped."""
+    def search_cells(self, start: Floats, coefficients: Floats, after: Floats, farthest: Floats) -> Hits:
+        """First hits, searched cell by cell from where `clear` stopped; none where ``after`` is infinite."""
+        if uses_numba():
+            from . import kernels
+
+            return Hits(*kernels.search_cells(*self._grids, _columns(start), coefficients, after, farthest))
         n = len(after)
         found = Hits(*(np.full(n, np.nan) for _ in range(3)))
         rows, columns = self.cells
@@ -622,7 +678,7 @@ class Surface:
                 np.minimum(np.maximum(at, 0.0), 1.0) for at in (x - j, y - i, x_next - j, y_next - i)
             )
             corners = self.corners_m.take(cell, axis=0)
-            share = _first_share(corners, over, u, v, h, u_next, v_next, h_next)
+            share = first_share(corners, over, u, v, h, u_next, v_next, h_next)
             hit = np.flatnonzero(inside & (share <= 1.0))
             part, ray = share.take(hit), index.take(hit)
             for whole, one, one_next in zip(found, (t, x, y), (t_next, x_next, y_next)):
@@ -641,7 +697,7 @@ class Surface:
         return found
 
 
-def _first_share(
+def first_share(
     corners: Floats,
     over: Flags,
     x: Floats,
@@ -680,6 +736,11 @@ def _only(which: NDArray[Any], *arrays: NDArray[Any]) -> list[Any]:
 def _take_starts(start: Floats, which: NDArray[Any]) -> Floats:
     """Starts of some rays, from one start (c,) for all or one each (c, n)."""
     return start if start.ndim == 1 else start.take(which, axis=1)
+
+
+def _columns(start: Floats) -> Floats:
+    """Starts of rays as columns, (c, n), or (c, 1) where they are the same."""
+    return start if start.ndim == 2 else start[:, np.newaxis]
 
 
 def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -723,52 +784,3 @@ def _slope(factors: Floats, t: Floats) -> Floats:
     for power in range(len(factors) - 1, 0, -1):
         total = total * t + power * factors[power - 1]
     return total
-
-
-class _Pyramid(NamedTuple):
-    """Greatest values in cells, in blocks of 2 x 2, 4 x 4, … cells, each with its neighbours.
-
-    ``flat`` holds the levels one after the other, each with a margin of one block; level i begins at ``first[i]`` and
-    has ``high[i]`` rows and ``wide[i]`` columns without the margin.
-    """
-
-    flat: Floats
-    first: Numbers
-    high: Numbers
-    wide: Numbers
-
-    @classmethod
-    def build(cls, cells: Floats) -> _Pyramid:
-        """Build the pyramid of values of cells (rows, columns), surrounded by minus infinity."""
-        block, parts, shapes = cells, [], []
-        while True:
-            shapes.append(block.shape)
-            wider = np.pad(block, 2, constant_values=-np.inf)
-            tall = np.maximum(np.maximum(wider[:-2], wider[1:-1]), wider[2:])
-            parts.append(np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:]).ravel())
-            if max(block.shape) == 1:
-                break
-            even = np.pad(block, [(0, size % 2) for size in block.shape], constant_values=-np.inf)
-            block = np.maximum(
-                np.maximum(even[::2, ::2], even[::2, 1::2]), np.maximum(even[1::2, ::2], even[1::2, 1::2])
-            )
-        first = np.cumsum([0, *(len(part) for part in parts[:-1])])
-        return cls(np.concatenate(parts), first, *np.array(shapes, np.int64).T)
-
-    @property
-    def levels(self) -> int:
-        """Number of levels."""
-        return len(self.first)
-
-    def block(self, level: Numbers | int, x: Floats, y: Floats) -> Numbers:
-        """Indices in ``flat`` of the blocks at levels and points (n,)."""
-        high, wide = self.high[level], self.wide[level]
-        scale = np.ldexp(1.0, -np.asarray(level))
-        j = np.minimum(np.maximum(np.floor(x * scale), -1.0), wide)
-        i = np.minimum(np.maximum(np.floor(y * scale), -1.0), high)
-        block: Numbers = (self.first[level] + (i + 1.0) * (wide + 2) + (j + 1.0)).astype(np.int64)
-        return block
-
-    def around(self, level: Numbers | int, x: Floats, y: Floats) -> Floats:
-        """Greatest values within a block's width of points (n,) at levels (n,)."""
-        return self.flat[self.block(level, x, y)]

@@ -13,6 +13,8 @@ from terrainav.core.geodesy.raytracing.tracing import Tracing
 from tests.core.geodesy.cliffs import SIDE, SYSTEMS, Kept, Truth, random_scene, surface_about
 from tests.support.thinning import sampled
 
+pytestmark = pytest.mark.usefixtures("ray_code")
+
 
 @pytest.mark.parametrize(
     "seeds",

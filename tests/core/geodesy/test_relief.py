@@ -13,6 +13,8 @@ from terrainav.core.geodesy.raytracing.surface import PixelRays, Surface
 
 from tests.support.thinning import sampled
 
+pytestmark = pytest.mark.usefixtures("ray_code")
+
 CAMERA = Camera(78.8, 4 / 3)
 #: Pixels of the images, cells of the surfaces, and metres of a cell.
 WIDTH, HEIGHT, SIDE, CELL = 160, 120, 240, 1.0
