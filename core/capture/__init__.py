@@ -11,6 +11,7 @@ In reading order:
 - `images`: the journal of a capture image by image
 - `journal`: the file with a line for each image
 - `making`: make images with threads
+- `uses`: the last image that may need a part
 - `pipeline`: fetch, assemble and write at the same time
 - `records`: the job of an image, and tables of images
 - `writers`: image files

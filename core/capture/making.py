@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,15 +23,18 @@ from ..mission.plan import Plan
 from ..picture.camera_frame import parts_of_tiles
 from ..picture.map_frame import check_size
 from ..picture.optics import Exposures
-from ..picture.shot import picture_parts, picture_tiles
+from ..picture.shot import Shot, picture_parts
 from ..storage.files import write_whole
 from .journal import FAILED, Outcome
-from .pipeline import Pipeline, sweep
+from .pipeline import Parts, Pipeline, sweep
 from .records import PictureJob, image_job, make_picture
+from .uses import LastUsers
 from .writers import Write
 
 #: Browsers open 6 connections to a server, and tile servers accept a few more.
 DEFAULT_CONNECTIONS = 8
+#: Bytes of traced images under way, and of each of their pixels: where it lies on the source, and its products' ground.
+_TRACED_BYTES, _TRACED_BYTES_PER_PX = 256 << 20, 96
 
 
 def check_source(plan: Plan, source: Source | NamedSource) -> None:
@@ -126,7 +128,7 @@ class Maker(Protocol):
 
 
 class ImageParts:
-    """Parts of a source that the images of a plan show; over relief, each image is traced only once.
+    """Parts of a source that the images of a plan show; over relief, those of images that were made are remembered.
 
     Parameters
     ----------
@@ -144,8 +146,14 @@ class ImageParts:
         if self.plan.relief.is_level:
             return picture_parts(self.plan, self.source, index)
         if index not in self._tiles:
-            self._tiles[index] = np.array(picture_tiles(self.plan, index), np.int32).reshape(-1, 3)
+            return self.find_traced(Shot(self.plan, index))
         return parts_of_tiles(self.plan.grid, self._tiles[index].tolist())
+
+    def find_traced(self, shot: Shot) -> list[Part]:
+        """Return the parts of an image over relief, whose rays are traced for it."""
+        tiles = shot.tiles
+        self._tiles[shot.index] = np.array(tiles, np.int32).reshape(-1, 3)
+        return parts_of_tiles(self.plan.grid, tiles)
 
     def find_images(
         self, repeated: Mapping[str, frozenset[Window]], outcomes: Mapping[str, Outcome]
@@ -220,38 +228,44 @@ class ImageMaker:
         self.map_type = piece.map_type
         source = self.parts.source
         order = sweep(self.parts.plan.windows, piece.indices).tolist()
-        users = self._count_users(order, orders)
-        if users is None:
+        last_user = self._find_last_users(order, orders)
+        if last_user is None:
             return False
-        self.unique_parts += len(users)
-        # The limit of pixels under way is for images of three bytes a pixel.
-        largest_bytes = _largest_px(self.parts.plan) * max(source_bands(source).bytes_per_px, RGB.bytes_per_px)
 
         def finished(job: PictureJob, result: Outcome | PartError) -> None:
             orders.note(job.failed(result) if isinstance(result, PartError) else result)
 
         pipeline: Pipeline[PictureJob, Outcome] = Pipeline(
-            users,
+            last_user,
             lambda window: source.fetch(piece.map_type, window),
             make_picture,
             finished,
             connections=self.connections,
             workers=self.workers,
-            at_once=max(MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // largest_bytes, 1),
+            at_once=self._at_once(),
         )
-        earlier = self.requests
+        earlier = self.requests, self.unique_parts
 
         def wants_more() -> bool:
-            self.requests = earlier + pipeline.requests
+            self.requests = earlier[0] + pipeline.requests
             return orders.wants_more()
 
         try:
             with _noting(orders.repeats(piece.map_type), source):
                 return pipeline.run(self._jobs(piece.map_type, order), wants_more, orders.is_paused)
         finally:
-            self.requests = earlier + pipeline.requests
+            self.requests, self.unique_parts = earlier[0] + pipeline.requests, earlier[1] + pipeline.unique_parts
 
-    def _jobs(self, map_type: str, order: list[int]) -> Iterator[tuple[PictureJob, list[Part]]]:
+    def _at_once(self) -> int:
+        """Most images under way: few if they are large, or if their rays are traced."""
+        pixels, band_bytes = _largest_px(self.parts.plan), source_bands(self.parts.source).bytes_per_px
+        # The limit of pixels under way is for images of three bytes a pixel.
+        most = MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // (pixels * max(band_bytes, RGB.bytes_per_px))
+        if not self.parts.plan.relief.is_level:
+            most = min(most, max(_TRACED_BYTES // (pixels * _TRACED_BYTES_PER_PX), 2 * self.workers))
+        return max(most, 1)
+
+    def _jobs(self, map_type: str, order: list[int]) -> Iterator[tuple[PictureJob, Parts]]:
         plan = self.parts.plan
         # Products are the same for all map types and made with the first.
         is_first = map_type == plan.mission.imagery.map_types[0]
@@ -267,21 +281,26 @@ class ImageMaker:
                 products_in=products_in,
                 write=self.write,
             )
-            yield job, self.parts.find(index)
+            yield job, self.parts.find(index) if plan.relief.is_level else partial(self._trace, job)
 
-    def _count_users(self, order: list[int], orders: Orders) -> Counter[Window] | None:
-        """Count the images that need each part; None if the run was stopped."""
-        users: Counter[Window] = Counter()
-        at_once = 64
-        with ThreadPoolExecutor(self.workers, "terrainav-trace") as threads:
-            # Over relief, trace images on all processors.
-            ahead = map if self.parts.plan.relief.is_level else threads.map
-            for start in range(0, len(order), at_once):
-                for parts in ahead(self.parts.find, order[start : start + at_once]):
-                    users.update({part.window for part in parts})
-                    if not orders.wants_more():
-                        return None
-        return users
+    def _trace(self, job: PictureJob) -> list[Part]:
+        """Trace the rays of an image over relief, once, and find its parts."""
+        shot = cast(Shot, job.shot)
+        shot.trace(with_faces=job.walls is not None, with_sighting=job.products is not None)
+        return self.parts.find_traced(shot)
+
+    def _find_last_users(self, order: list[int], orders: Orders) -> Callable[[Window], int] | None:
+        """Find the last image of an order that may need a part; None if the run was stopped."""
+        plan, boxes = self.parts.plan, np.empty((len(order), 4))
+        found: dict[Window, int] = {}
+        for number, index in enumerate(order):
+            if plan.relief.is_level:
+                found.update((part.window, number) for part in self.parts.find(index))
+            else:
+                boxes[number] = plan.views.box(index)
+            if not orders.wants_more():
+                return None
+        return found.__getitem__ if plan.relief.is_level else LastUsers(plan.grid, boxes).last_user
 
 
 @contextmanager

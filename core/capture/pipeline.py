@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import io
+import math
 import tempfile
 import threading
-from collections import Counter
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from heapq import heappop, heappush
 from queue import Empty, SimpleQueue
-from typing import IO, Generic, NamedTuple, TypeVar, cast
+from typing import IO, Generic, NamedTuple, TypeVar, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +28,8 @@ from ..imagery.source import Part, Window
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 Outcome = TypeVar("Outcome")
+#: Parts of an image, or a function that finds them, for a worker.
+Parts = Union[Sequence[Part], Callable[[], Sequence[Part]]]
 #: Longest time between two calls of ``go_on``, seconds.
 _POLL_S = 0.05
 #: Requests handed out for each connection: one under way and one ready to follow.
@@ -33,6 +37,8 @@ _FETCHES_PER_CONNECTION = 2
 #: Images with all parts for each worker: one being made and seven ready to follow, so that workers have work while
 #: fetching pauses.
 _READY_PER_WORKER = 8
+#: Images whose parts are found at once for each worker: one under way and one ready to follow.
+_FOUND_PER_WORKER = 2
 #: Most images under way at once: while some wait for a slow part, others continue.
 _MOST_UNDER_WAY = 256
 #: Bytes of pixels kept in memory: a hundred tiles of 256 px, which missions fifty images wide share from one strip to
@@ -89,7 +95,11 @@ class _RequestedPart(Generic[Job]):
         Pixels, their slot in the spool, or the error; None until it arrives.
     needed : int
         Number of images under way that need the part.
+    last_user : int
+        Number of the last image that may need the part.
     """
+
+    last_user: int
 
     waiting: list[_Picture[Job]] = field(default_factory=list)
     content: Bytes | _Slot | PartError | None = None
@@ -131,8 +141,9 @@ class Pipeline(Generic[Job, Result]):
 
     Parameters
     ----------
-    users : Counter of Window
-        Number of images that need each part; counted down as they are made.
+    last_user : callable
+        Returns the number, in the order of the jobs, of the last image that may need a window. A part that an image
+        needs later all the same is fetched again.
     fetch : callable
         Returns the pixels of a window. A PartError or an unexpected error (see `UnexpectedErrors`) fails the images
         that need the part; any other `TerrAInavError` stops the run.
@@ -150,13 +161,13 @@ class Pipeline(Generic[Job, Result]):
 
     Attributes
     ----------
-    requests : int
-        Calls of ``fetch`` so far.
+    requests, unique_parts : int
+        Calls of ``fetch``, and different parts needed, so far.
     """
 
     def __init__(
         self,
-        users: Counter[Window],
+        last_user: Callable[[Window], int],
         fetch: Callable[[Window], Bytes],
         work: Callable[[Job, Sequence[Part], Mapping[Window, Bytes]], Result],
         finished: Callable[[Job, Result | PartError], None],
@@ -166,16 +177,21 @@ class Pipeline(Generic[Job, Result]):
         at_once: int = _MOST_UNDER_WAY,
         spool: Spool | None = None,
     ) -> None:
-        self.requests = 0
+        self.requests = self.unique_parts = 0
         self._unexpected = UnexpectedErrors()
-        self._users = users
+        self._last_user = last_user
         self._fetch, self._work, self._finished = fetch, work, finished
         self._fetching_limit = connections * _FETCHES_PER_CONNECTION
         self._ready_limit = workers * _READY_PER_WORKER
+        self._finding_limit = workers * _FOUND_PER_WORKER
         self._at_once = min(at_once, _MOST_UNDER_WAY)
-        self._fetching = self._under_way = 0
+        self._fetching = self._under_way = self._begun = 0
+        # Images whose parts are being found, in the order of the jobs.
+        self._finding: deque[tuple[Job, Future[Sequence[Part]]]] = deque()
         self._making: dict[Future[Result], Job] = {}
         self._parts: dict[Window, _RequestedPart[Job]] = {}
+        # Parts put aside, by the last image that may need them.
+        self._aside: list[tuple[int, Window]] = []
         self._spool = spool or Spool()
         self._events: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._gate = _Gate()
@@ -184,11 +200,11 @@ class Pipeline(Generic[Job, Result]):
 
     def run(
         self,
-        jobs: Iterable[tuple[Job, Sequence[Part]]],
+        jobs: Iterable[tuple[Job, Parts]],
         go_on: Callable[[], bool],
         paused: Callable[[], bool] = lambda: False,
     ) -> bool:
-        """Make the images of ``jobs``; to be called only once.
+        """Make the images of ``jobs``, each with its parts or a function that finds them; to be called only once.
 
         ``go_on`` is called many times a second. Once it returns False, or an error stops the run, waiting images are
         dropped, images being made are finished and reported, and requests under way are left to end. ``paused``
@@ -235,33 +251,59 @@ class Pipeline(Generic[Job, Result]):
             if not making.cancelled() and making.exception() is None:
                 self._finished(job, making.result())
 
-    def _admit(self, waiting: Iterator[tuple[Job, Sequence[Part]]]) -> bool:
+    def _admit(self, waiting: Iterator[tuple[Job, Parts]]) -> bool:
         """Begin images while there is room; returns whether there may be more."""
         while (
             self._fetching < self._fetching_limit
             and len(self._making) < self._ready_limit
+            and len(self._finding) < self._finding_limit
             and self._under_way < self._at_once
         ):
             following = next(waiting, None)
             if following is None:
                 return False
-            self._begin(_Picture(*following))
+            job, parts = following
+            self._under_way += 1
+            if callable(parts):
+                finding = self._workers.submit(self._gate.pass_through, parts)
+                self._finding.append((job, finding))
+                finding.add_done_callback(lambda _: self._events.put(self._begin_found))
+            else:
+                self._begin(_Picture(job, parts))
         return True
 
+    def _begin_found(self) -> None:
+        """Begin the images whose parts have been found, in the order of the jobs."""
+        while self._finding and self._finding[0][1].done():
+            job, finding = self._finding.popleft()
+            self._begin(_Picture(job, finding.result()))
+
     def _begin(self, picture: _Picture[Job]) -> None:
-        self._under_way += 1
         for window in dict.fromkeys(part.window for part in picture.parts):
             part = self._parts.get(window)
             if part is None:
-                part = self._parts[window] = _RequestedPart()
+                part = self._parts[window] = _RequestedPart(self._last_user(window))
+                self.unique_parts += 1
                 self._request(window)
             self._bring_back(window, part)
             part.needed += 1
             if part.content is None:
                 part.waiting.append(picture)
                 picture.missing += 1
+        self._begun += 1
+        self._drop_unneeded()
         if picture.missing == 0:
             self._make(picture)
+
+    def _drop_unneeded(self) -> None:
+        """Drop parts put aside that no image needed after all."""
+        while self._aside and self._aside[0][0] < self._begun:
+            _, window = heappop(self._aside)
+            part = self._parts.get(window)
+            if part is not None and part.needed == 0:
+                if isinstance(part.content, _Slot):
+                    self._spool.free(part.content)
+                del self._parts[window]
 
     def _request(self, window: Window) -> None:
         self.requests += 1
@@ -321,11 +363,13 @@ class Pipeline(Generic[Job, Result]):
             elif isinstance(part.content, np.ndarray):
                 pixels[window] = part.content
             part.needed -= 1
-            self._users[window] -= 1
-            if self._users[window] <= 0:
-                del self._users[window], self._parts[window]
-            elif part.needed == 0:
+            if part.needed > 0:
+                continue
+            if part.last_user < self._begun:
+                del self._parts[window]
+            else:
                 self._put_aside(part)
+                heappush(self._aside, (part.last_user, window))
         if failure is not None:
             self._under_way -= 1
             self._finished(picture.job, failure)
@@ -395,13 +439,20 @@ class Spool:
         OSError
             The array cannot be read from the disk.
         """
+        self.free(slot)
         if slot.held is not None:
-            self._room_bytes += slot.held.nbytes
             return slot.held
         pixels = np.empty(slot.shape, slot.dtype)
-        self._free.setdefault(pixels.nbytes, []).append(slot.at)
         self._read(slot.at, pixels)
         return pixels
+
+    def free(self, slot: _Slot) -> None:
+        """Free the space of an array."""
+        if slot.held is not None:
+            self._room_bytes += slot.held.nbytes
+        else:
+            size = math.prod(slot.shape) * np.dtype(slot.dtype).itemsize
+            self._free.setdefault(size, []).append(slot.at)
 
     def close(self) -> None:
         """Close the file."""

@@ -155,6 +155,13 @@ class CameraViews:
             self.tolerance_px * (1.0 - settling),
         )
 
+    def box(self, index: int) -> tuple[float, float, float, float]:
+        """West, north, east and south end of the ground that a capture over relief may show, as fractions of the world.
+
+        Without tracing its rays; see `Tracing.box`.
+        """
+        return self.tracing(index).box(self.grid)
+
     def size_px(self, index: int) -> tuple[int, int]:
         """Width and height of a capture's picture."""
         return int(self.frames.width_px[index]), int(self.frames.height_px[index])

@@ -17,7 +17,7 @@ from ..geodesy.mercator import PixelGrid
 from ..geodesy.view import Patches, Samples, View
 from ..imagery.source import Part, Window
 from .map_frame import checked
-from .resampling import PackedImage
+from .resampling import PackedImage, blank_image
 
 #: Channels of an RGB image.
 _COLOURS = 3
@@ -91,7 +91,8 @@ def render(
     PartError
         A part has a wrong size, or lacks imagery that the picture shows.
     """
-    grounds = {zoom: _ground(zoom, parts, pixels, bands) for zoom in {part.window.zoom for part in parts}}
+    is_warped = view.rays is None and bool(view.patches)
+    grounds = {zoom: _ground(zoom, parts, pixels, bands, is_warped) for zoom in {part.window.zoom for part in parts}}
     u = float(view.grid.meridian_u(np.asarray(lon_deg)))
     picture = np.zeros((view.height_px, view.width_px, len(bands)), bands.dtype)
     for patches in view.patches:
@@ -106,14 +107,17 @@ def render(
     return picture
 
 
-def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands) -> _Ground:
-    """Join the tiles of one zoom."""
+def _ground(
+    zoom: int, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands, is_warped: bool
+) -> _Ground:
+    """Join the tiles of one zoom, laid out for Pillow if they are warped, else for sampling."""
     of_zoom = [part for part in parts if part.window.zoom == zoom]
     left, top = min(part.dx_px for part in of_zoom), min(part.dy_px for part in of_zoom)
     right = max(part.dx_px + part.window.width_px for part in of_zoom)
     bottom = max(part.dy_px + part.window.height_px for part in of_zoom)
     count = len(bands)
-    ground = np.zeros((bottom - top, right - left, count), bands.dtype)
+    size = bottom - top, right - left, count
+    ground = np.zeros(size, bands.dtype) if is_warped else blank_image(*size, bands.dtype)
     missing: NDArray[np.bool_] | None = None
     for part in of_zoom:
         tile = checked(part.window, pixels[part.window], bands)

@@ -72,8 +72,9 @@ def sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | S
     shot : MapShot, Shot or None
         Shot of the picture, whose traced rays are reused.
     """
-    if isinstance(shot, Shot) and shot.tracing is not None and size_px == plan.views.size_px(index):
-        seen = shot.tracing.sighting
+    traced = shot.sighting if isinstance(shot, Shot) and size_px == plan.views.size_px(index) else None
+    if traced is not None:
+        seen = traced
     elif not plan.relief.is_level:
         seen = plan.views.tracing(index, size_px).sighting
     else:

@@ -15,11 +15,11 @@ from ..bands import RGB, Bands, fitted, full
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Walled, Window
 from ..mission.plan import Plan
-from .camera_frame import camera_parts, render
+from .camera_frame import parts_of_tiles, render
 from .map_frame import assemble, capture_window, turned
 
 if TYPE_CHECKING:
-    from ..geodesy.raytracing.tracing import Tracing
+    from ..geodesy.raytracing.tracing import Faces, Sighting, Tracing
 
 #: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
 Walls = Callable[..., NDArray[np.float32]]
@@ -27,20 +27,45 @@ Walls = Callable[..., NDArray[np.float32]]
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A camera frame to be drawn. Its view is made on demand, as views over relief are expensive."""
+    """A camera frame to be drawn. Over relief, its rays are traced on demand, or by `trace`."""
 
     plan: Plan
     index: int
 
     @cached_property
-    def tracing(self) -> Tracing | None:
+    def _tracing(self) -> Tracing | None:
         """Rays traced over relief; None over level ground."""
         return None if self.plan.relief.is_level else self.plan.views.tracing(self.index)
 
     @cached_property
     def view(self) -> View:
         """View from which the picture is drawn."""
-        return self.plan.views.view(self.index) if self.tracing is None else self.plan.views.traced_view(self.tracing)
+        views, tracing = self.plan.views, self._tracing
+        return views.view(self.index) if tracing is None else views.traced_view(tracing)
+
+    @cached_property
+    def faces(self) -> Faces | None:
+        """Pixels that see steep faces; None over level ground."""
+        return None if self._tracing is None else self._tracing.faces()
+
+    @cached_property
+    def sighting(self) -> Sighting | None:
+        """Ground at the pixels, over relief; None over level ground."""
+        return None if self._tracing is None else self._tracing.sighting
+
+    def trace(self, *, with_faces: bool, with_sighting: bool) -> None:
+        """Trace the rays, and keep only what the picture needs of them: they take many times its memory."""
+        _ = self.view
+        if with_faces and self.view.facade_share:
+            _ = self.faces
+        if with_sighting:
+            _ = self.sighting
+        self.__dict__.pop("_tracing", None)
+
+    @property
+    def tiles(self) -> list[tuple[int, int, int]]:
+        """Zoom, column (not wrapped) and row of each tile that the picture shows."""
+        return self.view.tiles(self.lon_deg)
 
     @property
     def lon_deg(self) -> float:
@@ -80,12 +105,7 @@ def picture_parts(plan: Plan, source: Source, index: int) -> list[Part]:
     """Parts of a source for the picture of one capture."""
     if plan.frames.on_map:
         return source.parts(capture_window(plan, index))
-    return camera_parts(plan.views.view(index), float(plan.lon_deg[index]))
-
-
-def picture_tiles(plan: Plan, index: int) -> list[tuple[int, int, int]]:
-    """Zoom, column (not wrapped) and row of each tile of a camera frame."""
-    return plan.views.view(index).tiles(float(plan.lon_deg[index]))
+    return parts_of_tiles(plan.grid, Shot(plan, index).tiles)
 
 
 def wall_colours(plan: Plan, source: Source, map_type: str) -> Walls | None:
@@ -130,8 +150,8 @@ def draw(
         return Picture(turned(assemble(shot.window, parts, pixels, bands), shot.quarter_turns))
     view = shot.view
     picture = render(view, shot.lon_deg, parts, pixels, shot.kernel, bands)
-    if walls is not None and shot.tracing is not None and view.facade_share:
-        row, column, *faces = shot.tracing.faces()
+    if walls is not None and view.facade_share and shot.faces is not None:
+        row, column, *faces = shot.faces
         colours = walls(*faces)
         is_known = np.isfinite(colours).all(axis=1)
         picture[row[is_known], column[is_known]] = fitted(colours[is_known], picture.dtype)

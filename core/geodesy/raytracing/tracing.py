@@ -233,24 +233,45 @@ class Tracing:
         for whole, part in zip(hits, (t, at_column, at_row)):
             whole[row[below], column[below]] = part[below]
 
-    def _surfaces(self) -> Iterator[tuple[Surface, float]]:
-        """Yield surfaces from near to far, and the level distance from the camera at which each begins.
-
-        The first has the finest cells; if those would be too many, the next has cells twice as large, and so on.
-        """
-        lat, lon = self.place
+    @cached_property
+    def _reach(self) -> tuple[Floats, Floats, Floats]:
+        """Rays (n, 3) all over the image, their level components, and how far they are followed, in level metres."""
         x, y = np.meshgrid(*(np.linspace(0.0, side, 9) for side in (self.rays.width, self.rays.height)))
         directions = self.rays.directions(x.ravel(), y.ravel())
         level = np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
         ground = WGS84.raised(self.lowest_m)
-        above_m = self.height_m - self.lowest_m
+        lat, above_m = self.place[0], self.height_m - self.lowest_m
         seen = trace(np.array(lat), np.array(above_m), directions, ground)
         with np.errstate(invalid="ignore"):
             last = sight_lines(np.array(lat), np.array(above_m), seen.lat_deg, seen.dlon_deg, ground)
         # Mountains are visible beyond the horizon, up to 9 km high and 700 km away.
         reach_m = np.where(seen.hit, np.hypot(last[:, 0], last[:, 1]), np.inf)
         horizon_m = np.sqrt(2.0 * WGS84.a_m * above_m) + np.sqrt(2.0 * WGS84.a_m * 9_000.0)
-        reach_m = _MARGIN * np.minimum(reach_m, min(horizon_m, 700_000.0))
+        return directions, level, _MARGIN * np.minimum(reach_m, min(horizon_m, 700_000.0))
+
+    def box(self, grid: PixelGrid) -> tuple[float, float, float, float]:
+        """West, north, east and south end of the ground that the image may show, as fractions of the world.
+
+        Without tracing. Longitudes are not wrapped; infinite where the grid ends.
+        """
+        (lat, lon), (directions, level, reach_m) = self.place, self._reach
+        points = self._points(directions, np.zeros_like(level), _BULGE * reach_m / level)
+        at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), points)
+        u, v = grid.plane.forward(at_lat, lon + dlon)
+        if not (np.isfinite(u).all() and np.isfinite(v).all()):
+            return -np.inf, -np.inf, np.inf, np.inf
+        west, north, east, south = (float(end) for end in (u.min(), v.min(), u.max(), v.max()))
+        # Samples of the outermost pixels reach beyond.
+        aside, up = 0.05 * (east - west), 0.05 * (south - north)
+        return west - aside, north - up, east + aside, south + up
+
+    def _surfaces(self) -> Iterator[tuple[Surface, float]]:
+        """Yield surfaces from near to far, and the level distance from the camera at which each begins.
+
+        The first has the finest cells; if those would be too many, the next has cells twice as large, and so on.
+        """
+        (lat, lon), (directions, level, reach_m) = self.place, self._reach
+        above_m = self.height_m - self.lowest_m
         begin_m, cell_m = 0.0, self.relief.cell_m(lat, lon)
         while begin_m < reach_m.max():
             end_m = float(reach_m.max())

@@ -28,9 +28,13 @@ def pixels(window: Window):
     return np.full((1, 1, 3), int(window.left_px) % 256, np.uint8)
 
 
+def last_users(pictures):
+    """Numbers of the last pictures, given as lists of numbers of parts, that need a window."""
+    return {part(number).window: job for job, numbers in enumerate(pictures) for number in numbers}.__getitem__
+
+
 def run(pictures, *, fetch=pixels, work=None, go_on=lambda: True, connections=3, workers=2, spool=None):
     """Run pictures, given as lists of numbers of parts; returns results by picture, the pipeline, whether complete."""
-    users = Counter(part(number).window for numbers in pictures for number in set(numbers))
     results = {}
 
     def finished(job, result):
@@ -38,7 +42,7 @@ def run(pictures, *, fetch=pixels, work=None, go_on=lambda: True, connections=3,
         results[job] = result
 
     pipeline = Pipeline(
-        users,
+        last_users(pictures),
         fetch,
         work or (lambda job, parts, contents: sorted(int(c[0, 0, 0]) for c in contents.values())),
         finished,
@@ -85,8 +89,7 @@ def test_parts_are_dropped_after_their_last_picture():
 
     pipeline_parts = {}
     pictures = [[number, number + 1] for number in range(3000)]
-    users = Counter(part(number).window for numbers in pictures for number in numbers)
-    pipeline = Pipeline(users, pixels, lambda *_: 0, lambda *_: None, connections=4, workers=2)
+    pipeline = Pipeline(last_users(pictures), pixels, lambda *_: 0, lambda *_: None, connections=4, workers=2)
     pipeline_parts = pipeline._parts
     assert pipeline.run(((job, [part(n) for n in numbers]) for job, numbers in enumerate(pictures)), go_on)
     assert 0 < most < 300
@@ -116,8 +119,8 @@ def test_a_slow_part_does_not_take_the_whole_mission_into_memory():
             release.set()
         return True
 
-    users = Counter({part(0).window: 5000, **{part(number + 1).window: 1 for number in range(5000)}})
-    pipeline = Pipeline(users, fetch, lambda *_: 0, lambda *_: None, connections=4, workers=2)
+    pictures = [[0, number + 1] for number in range(5000)]
+    pipeline = Pipeline(last_users(pictures), fetch, lambda *_: 0, lambda *_: None, connections=4, workers=2)
     assert pipeline.run(jobs(), go_on)
     assert admitted == 5000
 
@@ -137,7 +140,7 @@ def test_of_large_pictures_few_are_on_the_way(at_once):
         nonlocal finished
         finished += 1
 
-    users = Counter(part(number).window for number in range(50))
+    users = last_users([[number] for number in range(50)])
     pipeline = Pipeline(users, pixels, lambda *_: 0, note, connections=4, workers=2, at_once=at_once)
     assert pipeline.run(jobs(), lambda: True)
     assert (most, finished) == (at_once, 50)
@@ -214,7 +217,7 @@ def test_other_errors_stop_the_run_and_keep_what_is_done():
             raise error
         return pixels(window)
 
-    users = Counter(part(number).window for number in range(5000))
+    users = last_users([[number] for number in range(5000)])
     pipeline = Pipeline(
         users, fetch, lambda job, *_: job, lambda job, result: seen.append(job), connections=1, workers=1
     )
@@ -341,7 +344,7 @@ def test_pictures_that_wait_for_the_workers_are_bounded_however_long_the_mission
             return job
 
         pipeline = Pipeline(
-            Counter(part(number).window for number in range(length)),
+            last_users([[number] for number in range(length)]),
             pixels,
             work,
             lambda *_: None,
@@ -361,6 +364,37 @@ def test_pictures_that_wait_for_the_workers_are_bounded_however_long_the_mission
     ahead = 2 * pipeline_module._READY_PER_WORKER + 2 * 4 * pipeline_module._FETCHES_PER_CONNECTION
     assert max(kept.values()) <= ahead
     assert min(kept.values()) >= 2 * pipeline_module._READY_PER_WORKER
+
+
+@pytest.mark.parametrize("off", [7, 200, -2])
+def test_parts_go_when_the_last_image_that_may_need_them_has_begun_whether_it_did_or_not(off):
+    pictures = [[number // 3, 1000 + number] for number in range(300)]
+    exact, spool = last_users(pictures), Watched(20 * 3)
+    fetched, made = Counter(), {}
+
+    def fetch(window):
+        fetched[window] += 1
+        return pixels(window)
+
+    pipeline = Pipeline(
+        lambda window: exact(window) + off,
+        fetch,
+        lambda job, parts, contents: sorted(int(c[0, 0, 0]) for c in contents.values()),
+        made.__setitem__,
+        connections=3,
+        workers=2,
+        spool=spool,
+    )
+    jobs = ((job, lambda numbers=numbers: [part(n) for n in numbers]) for job, numbers in enumerate(pictures))
+    assert pipeline.run(jobs, lambda: True)
+    assert made == {job: sorted(n % 256 for n in numbers) for job, numbers in enumerate(pictures)}
+    if off > 0:
+        assert set(fetched.values()) == {1}
+        assert pipeline.unique_parts == len(fetched) == 400
+        # What images beyond the last one might still need.
+        assert len(pipeline._parts) <= 2 * off
+    else:
+        assert pipeline.unique_parts >= len(fetched) == 400
 
 
 def across(columns, rows):
@@ -410,7 +444,7 @@ def test_what_is_kept_in_memory_does_not_grow_with_the_width_of_a_mission(column
         return True
 
     pipeline = Pipeline(
-        Counter(part(n).window for numbers in pictures for n in numbers),
+        last_users(pictures),
         fetch,
         lambda job, parts, contents: [int(contents[p.window].mean()) for p in parts],
         lambda job, result: made.append((job, result)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from collections import Counter
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,7 +25,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.products import sighting
-from terrainav.core.picture.shot import draw, make_shot, picture_parts, wall_colours
+from terrainav.core.picture.shot import Shot, draw, make_shot, picture_parts, wall_colours
 from terrainav.core.report.measure import measure
 from terrainav.core.world import World, WorldSource
 from terrainav.core.world.objects import footprints
@@ -442,6 +443,38 @@ def test_a_capture_that_goes_on_leaves_the_same_files(files, tmp_path):
     for path in sorted((tmp_path / "whole").rglob("*.tif")):
         other = tmp_path / "parts" / path.relative_to(tmp_path / "whole")
         assert other.read_bytes() == path.read_bytes(), path.name
+
+
+@pytest.mark.parametrize("tilt", [0.0, 50.0])
+def test_each_image_is_traced_once_each_tile_fetched_once_and_boxes_hold_what_is_shown(
+    files, tmp_path, tilt, monkeypatch
+):
+    traced = []
+    image_hits = Surface.image_hits
+
+    def watched(self, *arguments):
+        traced.append(self)
+        return image_hits(self, *arguments)
+
+    monkeypatch.setattr(Surface, "image_hits", watched)
+    photo, tower = files["photo"], files["tower"]
+    mission = Mission(box(), 60.0, source=photo, elevation=(tower,), tilt_deg=tilt, upsample=True)
+    source = open_source(files["photo"])
+    made = plan(mission, source.grid, mission_heights(mission))
+    fetched = Counter()
+    fetch = source.fetch
+    source.fetch = lambda map_type, window: fetched.update([window]) or fetch(map_type, window)
+    result = capture(made, source, tmp_path / "run", workers=2)
+    assert result.unique_parts == len(fetched)
+    assert set(fetched.values()) == {1}
+    # At these distances, relief is one surface.
+    assert len(traced) == len(made) > 4
+    for index in range(len(made)):
+        west, north, east, south = made.views.box(index)
+        for zoom, column, row in Shot(made, index).tiles:
+            world = made.grid.world_px(zoom) / made.grid.tile_px
+            assert west * world - 1.0 <= column <= east * world
+            assert north * world - 1.0 <= row <= south * world
 
 
 def test_photographs_say_the_cameras_altitude(files, tmp_path):

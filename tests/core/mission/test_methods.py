@@ -16,7 +16,7 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.shot import picture_tiles
+from terrainav.core.picture.shot import Shot
 
 from tests.support.errors import refused
 from tests.support.thinning import examples, sampled
@@ -142,7 +142,7 @@ def test_rays_are_said_to_be_left_out_where_a_mesh_has_cells(agl_m, serves):
 @pytest.mark.parametrize("lat_deg", sampled([90.0, -90.0], 2))
 def test_a_plan_over_a_pole_is_worked_out_without_a_warning(lat_deg):
     made = plan(Mission(Points(((lat_deg, 0.0, 3e6), (lat_deg, 40.0, 3e6))), 3e6), PixelGrid())
-    tiles = {(zoom, x % 2**zoom, y) for at in (0, 1) for zoom, x, y in picture_tiles(made, at)}
+    tiles = {(zoom, x % 2**zoom, y) for at in (0, 1) for zoom, x, y in Shot(made, at).tiles}
     assert made.requests == len(tiles)
     assert np.isfinite(made.frame_centres).all()
 
@@ -155,7 +155,7 @@ def test_tiles_are_counted_as_one_by_one_and_too_many_refused_before_they_take_m
 
     for zoom in (4, 8, 11):
         few = made(zoom, 2)
-        tiles = {(z, x % 2**z, y) for at in (0, 1) for z, x, y in picture_tiles(few, at)}
+        tiles = {(z, x % 2**z, y) for at in (0, 1) for z, x, y in Shot(few, at).tiles}
         assert few.requests == len(tiles)
     assert few.requests > 10_000
     for zoom in (14, 19, 22):
