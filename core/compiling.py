@@ -7,20 +7,32 @@ from functools import cache
 from importlib.util import find_spec
 from typing import Any
 
+from .text.plain import error_text
+
 #: Environment variable: 0 not to use numba.
 FAST = "TERRAINAV_FAST"
 
 
 @cache
+def numba_problem() -> str:
+    """Why compiled code is not used; empty where it is."""
+    if os.environ.get(FAST) == "0":
+        return f"{FAST} is 0"
+    if find_spec("numba") is None:
+        return "numba is not installed"
+    try:
+        from numba.core.registry import cpu_target
+
+        # Imports what compiling imports, which may fail where numba itself does not: two halves of cffi, say.
+        cpu_target.typing_context.refresh()
+    except Exception as error:  # noqa: BLE001  (each release of numba refuses newer ones of numpy, in its own way)
+        return f"numba cannot be used: {error_text(error)}"
+    return ""
+
+
 def uses_numba() -> bool:
     """Whether compiled code is used: numba is installed, fits numpy and is not switched off."""
-    if os.environ.get(FAST) == "0" or find_spec("numba") is None:
-        return False
-    try:
-        import numba  # noqa: F401
-    except Exception:  # noqa: BLE001  (each release of numba refuses newer ones of numpy, in its own way)
-        return False
-    return True
+    return not numba_problem()
 
 
 def compiled(function: Any) -> Any:

@@ -71,6 +71,13 @@ for name in ("numpy", "Pillow", "pyproj", "requests", "urllib3", "certifi", "idn
         print(f"{name}=={version(name)}")
     except PackageNotFoundError:
         continue
+# Debian has the compiled half of cffi alone; the other half fits one release of it, and numba needs both.
+try:
+    import _cffi_backend
+except ImportError:
+    pass
+else:
+    print(f"cffi=={_cffi_backend.__version__}")
 PY
 }
 
