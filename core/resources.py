@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from configparser import ConfigParser
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,8 @@ def read_json(name: str) -> Any:
 
 def version() -> str:
     """Version in ``metadata.txt``, beside this package in the plugin folder and in a wheel."""
+    from configparser import ConfigParser
+
     metadata = ConfigParser(interpolation=None)
     metadata.read(Path(__file__).parents[1] / "metadata.txt", encoding="utf-8")
     return metadata["general"]["version"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -57,7 +56,7 @@ class Seconds:
     @property
     def median(self) -> float:
         """Median over the rounds."""
-        return statistics.median(self.rounds)
+        return float(np.median(self.rounds))
 
     @property
     def spread_known(self) -> bool:
@@ -148,4 +147,4 @@ def clock_step_s(clock: Clock = time.thread_time) -> float:
         while now == start:
             now = clock()
         steps.append(now - start)
-    return statistics.median(steps)
+    return float(np.median(steps))

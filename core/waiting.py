@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import Future, wait
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, Callable
+from typing import TYPE_CHECKING, Any, Callable
 
 from .errors import Cancelled
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 _cancelled: ContextVar[Callable[[], bool] | None] = ContextVar("cancelled", default=None)
 
@@ -43,6 +45,8 @@ def wait_until_done(future: Future[Any], look: Callable[[], object]) -> None:
     Cancelled
         The enclosing `cancellable` is cancelled.
     """
+    from concurrent.futures import wait
+
     # Use short waits, as Windows handles Ctrl-C only between waits.
     while not wait([future], 0.1).done:
         check_cancelled()

@@ -206,7 +206,7 @@ def figure(value: float) -> float:
 
 def plain_text(text: str) -> str:
     """Replace characters that XML 1.0 excludes: control characters and unpaired surrogates."""
-    excluded = "[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
+    excluded = "[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]"
     return re.sub(excluded, "\N{REPLACEMENT CHARACTER}", text)
 
 

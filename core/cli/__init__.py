@@ -104,9 +104,9 @@ def _run(argv: Sequence[str]) -> int:
         return _print_version()
     import importlib
 
-    from .options import normalise, parser
+    from .options import named_command, normalise, parser
 
-    reader = parser()
+    reader = parser(named_command(argv))
     arguments = reader.parse_args(normalise(argv))
     if arguments.version:
         return _print_version()

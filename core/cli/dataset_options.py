@@ -90,19 +90,8 @@ def add_consent(command: argparse.ArgumentParser) -> None:
     command.add_argument("--accept-terms", action="store_true", help="agree to the terms of a source that requires it")
 
 
-def add_dataset_commands(commands: Any) -> None:
-    """Add the parsers of the subcommands that work on a dataset."""
-    _add_clean(commands)
-    _add_split(commands)
-    _add_load(commands)
-    _add_pairs(commands)
-    _add_convert(commands)
-    _add_mosaic(commands)
-    _add_export(commands)
-
-
-def _add_clean(commands: Any) -> None:
-    cleaning = commands.add_parser("clean", help="reject low-detail images of a dataset; deletes nothing")
+def add_clean(cleaning: argparse.ArgumentParser) -> None:
+    """Add the options of ``terrainav clean``."""
     cleaning.add_argument("folder", metavar="OUT", help="the dataset's folder")
     cleaning.add_argument(
         "--entropy",
@@ -124,8 +113,8 @@ def _add_clean(commands: Any) -> None:
     add_json(cleaning)
 
 
-def _add_split(commands: Any) -> None:
-    splitting = commands.add_parser("split", help="divide the images of a dataset into training, validation and test")
+def add_split(splitting: argparse.ArgumentParser) -> None:
+    """Add the options of ``terrainav split``."""
     splitting.add_argument("folder", metavar="OUT", help="the dataset's folder")
     splitting.add_argument(
         "--shares",
@@ -168,11 +157,8 @@ def _add_split(commands: Any) -> None:
     add_json(splitting)
 
 
-def _add_load(commands: Any) -> None:
-    loading = commands.add_parser(
-        "load",
-        help="load every batch of a dataset once, as for training; prints shapes and images per second",
-    )
+def add_load(loading: argparse.ArgumentParser) -> None:
+    """Add the options of ``terrainav load``."""
     loading.add_argument("folder", metavar="OUT", help="the dataset's folder")
     loading.add_argument(
         "--loader",
@@ -219,13 +205,9 @@ def _add_load(commands: Any) -> None:
     add_json(loading)
 
 
-def _add_pairs(commands: Any) -> None:
-    command = commands.add_parser(
-        "pairs",
-        help="capture places from a satellite and a drone, in the layout of University-1652",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def add_pairs(command: argparse.ArgumentParser) -> None:
+    """Add the options of ``terrainav pairs``."""
+    command.epilog, command.formatter_class = _EPILOG, argparse.RawDescriptionHelpFormatter
     command.add_argument("places", metavar="PLACES", help="file of places, or a box with --count")
     command.add_argument("--data-dir", metavar="OUT", help="folder of the pairs")
     where = command.add_argument_group("places of a box")
@@ -308,10 +290,8 @@ def shared_options() -> list[Option]:
     ]
 
 
-def _add_convert(commands: Any) -> None:
-    converting = commands.add_parser(
-        "convert", help="make a dataset with our tables from the paper's published folders or its supplement"
-    )
+def add_convert(converting: argparse.ArgumentParser) -> None:
+    """Add the options of ``terrainav convert``."""
     converting.add_argument("folder", metavar="FOLDER", help="the published data; it is only read")
     converting.add_argument("target", metavar="OUT", help="folder of the new dataset, new or empty")
     converting.add_argument(
@@ -324,11 +304,8 @@ def _add_convert(commands: Any) -> None:
     add_json(converting)
 
 
-def _add_mosaic(commands: Any) -> None:
-    mosaicking = commands.add_parser(
-        "mosaic",
-        help="write one orthophoto of all images of a dataset, including rotated and tilted ones and those over relief",
-    )
+def add_mosaic(mosaicking: argparse.ArgumentParser) -> None:
+    """Add the options of ``terrainav mosaic``."""
     mosaicking.add_argument("folder", metavar="OUT", help="the dataset's folder")
     mosaicking.add_argument(
         "--output", metavar="FILE", help="GeoTIFF to write (default MAP_TYPE.tif in the dataset's folder)"
@@ -345,11 +322,8 @@ def _add_mosaic(commands: Any) -> None:
     add_json(mosaicking)
 
 
-def _add_export(commands: Any) -> None:
-    exporting = commands.add_parser(
-        "export",
-        help="write a dataset, its camera frames and poses, or a benchmark for other programs",
-    )
+def add_export(exporting: argparse.ArgumentParser) -> None:
+    """Add the options of ``terrainav export``."""
     exporting.add_argument("folder", metavar="OUT", help="the folder of the dataset or benchmark; it is only read")
     exporting.add_argument(
         "target",

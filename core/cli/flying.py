@@ -239,9 +239,7 @@ def _requests(planned: Plan) -> int:
 
 def run_plan(arguments: argparse.Namespace) -> int:
     """Plan a mission for each of its imageries; print the figures and write the files."""
-    from ..mission.export import check_plan_ending, write_plan
-
-    endings = {path: check_plan_ending(path, _MISSION) for path in arguments.output}
+    endings = {path: _ending(path, _MISSION) for path in arguments.output}
     mission, values = _settings(arguments)
     each = mission.missions_by_imagery
     sources = {
@@ -255,16 +253,8 @@ def run_plan(arguments: argparse.Namespace) -> int:
         if ending == _MISSION:
             mission.save(path)
             files.append(path)
-            continue
-        for name, planned in plans.items():
-            target = _imagery_path(path, name)
-            exported = write_plan(planned, target)
-            files += map(str, exported.files)
-            for note in exported.notes:
-                print(printable(f"{target}: {note}"), file=sys.stderr)
-            if exported.replaced:
-                names = ", ".join(file.name for file in exported.replaced)
-                print(printable(f"{target}: replaced {names}"), file=sys.stderr)
+        else:
+            files += _write_plans(plans, path)
     if arguments.json:
         figures = {name: _figures(plan, sources[name], values) for name, plan in plans.items()}
         print(json.dumps({**({"imageries": figures} if each else figures[""]), "written": files}, indent=1))
@@ -278,11 +268,33 @@ def run_plan(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _imagery_path(path: str, name: str) -> str:
-    """File of one imagery: ``plan-NAME.csv`` for ``plan.csv``; unchanged if the name is empty."""
+def _ending(path: str, *more: str) -> str:
+    """Ending of a plan file; other endings than of plan formats and ``more`` are refused."""
     from ..mission.export import check_plan_ending
 
-    ending = check_plan_ending(path)
+    return check_plan_ending(path, *more)
+
+
+def _write_plans(plans: Mapping[str, Plan], path: str) -> list[str]:
+    """Write the plan of each imagery, print notes, and return the files."""
+    from ..mission.export import write_plan
+
+    files: list[str] = []
+    for name, planned in plans.items():
+        target = _imagery_path(path, name)
+        exported = write_plan(planned, target)
+        files += map(str, exported.files)
+        for note in exported.notes:
+            print(printable(f"{target}: {note}"), file=sys.stderr)
+        if exported.replaced:
+            names = ", ".join(file.name for file in exported.replaced)
+            print(printable(f"{target}: replaced {names}"), file=sys.stderr)
+    return files
+
+
+def _imagery_path(path: str, name: str) -> str:
+    """File of one imagery: ``plan-NAME.csv`` for ``plan.csv``; unchanged if the name is empty."""
+    ending = _ending(path)
     return f"{path[: -len(ending)]}-{name}{ending}" if name else path
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import textwrap
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput, Message, SourceError
@@ -96,6 +95,8 @@ def _show_source(arguments: argparse.Namespace) -> int:
         if text:
             print(printable(f"{label:{_COLUMN}s}{text}"))
     if entry.dates is not None and entry.dates.values:
+        import textwrap
+
         margin = " " * _COLUMN
         listed = ", ".join(sorted(entry.dates.values))
         wrapped = textwrap.fill(

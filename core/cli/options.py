@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from ..addresses import without_credentials
 from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
@@ -15,9 +15,20 @@ from ..dataset.folder import PARTS
 from ..mission.options import OPTIONS, share
 from ..mission.parts import ALIGNMENTS
 from ..numbers import integer, real_number
-from .dataset_options import add_config, add_consent, add_dataset_commands, add_json, add_option
+from .dataset_options import (
+    add_clean,
+    add_config,
+    add_consent,
+    add_convert,
+    add_export,
+    add_json,
+    add_load,
+    add_mosaic,
+    add_option,
+    add_pairs,
+    add_split,
+)
 from .exits import BAD_INPUT
-from .pose_options import add_poses
 
 _SERVICE_HELP = """
 A source is a name or title in the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS),
@@ -46,22 +57,31 @@ class _Parser(argparse.ArgumentParser):
         self.exit(BAD_INPUT, f"{self.prog}: error: {message}; see {self.prog} --help\n")
 
 
-def parser() -> argparse.ArgumentParser:
-    """Return the parser of the whole command."""
+class _Command(NamedTuple):
+    """A subcommand: the function that adds its options, and its line in the help of the whole command."""
+
+    add_options: Callable[[argparse.ArgumentParser], None]
+    help: str
+
+
+def parser(command: str | None = None) -> argparse.ArgumentParser:
+    """Return the parser of the whole command, with the options of one subcommand, or of all."""
     whole = _Parser(
         prog="terrainav",
         description="Plan and fly a virtual UAV over real map imagery: footprints, then georeferenced images.",
     )
     whole.add_argument("--version", action="store_true", help="print the version")
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
-    _add_flying(commands)
-    add_dataset_commands(commands)
-    add_poses(commands, _Parser)
-    _add_benchmark(commands)
-    _add_sources(commands)
-    _add_cameras(commands)
-    _add_cache(commands)
+    for name, one in _COMMANDS.items():
+        inner = commands.add_parser(name, help=one.help)
+        if command in (None, name):
+            one.add_options(inner)
     return whole
+
+
+def named_command(argv: Sequence[str]) -> str:
+    """Name of the subcommand among the arguments: the first that is no option, as none before it takes a value."""
+    return next((argument for argument in argv if not argument.startswith("-")), "")
 
 
 def normalise(argv: Sequence[str]) -> list[str]:
@@ -86,8 +106,7 @@ def normalise(argv: Sequence[str]) -> list[str]:
     return tidy
 
 
-def _add_flying(commands: Any) -> None:
-    planning = commands.add_parser("plan", help="plan a mission and print its figures; downloads nothing")
+def _add_plan(planning: argparse.ArgumentParser) -> None:
     _add_mission_options(planning)
     planning.add_argument(
         "--output",
@@ -100,7 +119,8 @@ def _add_flying(commands: Any) -> None:
     _add_alignment(planning)
     planning.add_argument("--json", action="store_true", help="print the figures as JSON")
 
-    capturing = commands.add_parser("capture", help="capture a mission into a folder (--data-dir)")
+
+def _add_capture(capturing: argparse.ArgumentParser) -> None:
     _add_mission_options(capturing)
     _add_alignment(capturing)
     capturing.add_argument("--resume", action="store_true", help="continue an interrupted capture")
@@ -110,7 +130,8 @@ def _add_flying(commands: Any) -> None:
     capturing.add_argument("--json", action="store_true", help="print the result as JSON")
     capturing.add_argument("--quiet", action="store_true", help="no progress bar")
 
-    reporting = commands.add_parser("report", help="measure a mission's error against run time; writes a page")
+
+def _add_report(reporting: argparse.ArgumentParser) -> None:
     _add_mission_options(reporting)
     reporting.add_argument("--output", metavar="DIR", required=True, help="folder of the page and its images")
     add_consent(reporting)
@@ -172,11 +193,13 @@ def _add_actions(listing: argparse.ArgumentParser) -> Any:
     return actions
 
 
-def _add_benchmark(commands: Any) -> None:
-    whole = commands.add_parser(
-        "benchmark",
-        help="make a benchmark of queries and a reference, run a baseline over it, score predictions",
-    )
+def _add_poses(whole: argparse.ArgumentParser) -> None:
+    from .pose_options import add_poses
+
+    add_poses(whole, _Parser)
+
+
+def _add_benchmark(whole: argparse.ArgumentParser) -> None:
     actions = whole.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     _add_benchmark_make(actions)
     running = actions.add_parser("run", help="answer the queries with a baseline or your own method, and score it")
@@ -291,13 +314,8 @@ def _share(text: str) -> float:
         raise argparse.ArgumentTypeError(f"{text!r}: must be a share from 0 to below 1, such as 0.5 or 50%") from wrong
 
 
-def _add_sources(commands: Any) -> None:
-    listing = commands.add_parser(
-        "sources",
-        help="list sources of imagery and their terms; show, add or remove one",
-        epilog=_SERVICE_HELP,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def _add_sources(listing: argparse.ArgumentParser) -> None:
+    listing.epilog, listing.formatter_class = _SERVICE_HELP, argparse.RawDescriptionHelpFormatter
     add_json(listing)
     actions = _add_actions(listing)
 
@@ -348,8 +366,7 @@ def _add_sources(commands: Any) -> None:
     removing.add_argument("name", metavar="NAME")
 
 
-def _add_cameras(commands: Any) -> None:
-    listing = commands.add_parser("cameras", help="list cameras; add or remove your own")
+def _add_cameras(listing: argparse.ArgumentParser) -> None:
     add_json(listing)
     actions = _add_actions(listing)
 
@@ -374,8 +391,7 @@ def _add_cameras(commands: Any) -> None:
     removing.add_argument("name", metavar="NAME")
 
 
-def _add_cache(commands: Any) -> None:
-    caching = commands.add_parser("cache", help="list or clear the tiles cached for later captures")
+def _add_cache(caching: argparse.ArgumentParser) -> None:
     actions = caching.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     every = actions.add_parser("list", help="list files with their tiles and sizes (the default action)")
     clearing = actions.add_parser("clear", help="delete the named files, or all")
@@ -389,3 +405,37 @@ def _add_cache(commands: Any) -> None:
 
 def _add_cache_dir(command: argparse.ArgumentParser, default: Any) -> None:
     command.add_argument("--cache-dir", metavar="DIR", default=default, help="folder of the cache, if not the default")
+
+
+#: Subcommands in the order of help.
+_COMMANDS = {
+    "plan": _Command(_add_plan, help="plan a mission and print its figures; downloads nothing"),
+    "capture": _Command(_add_capture, help="capture a mission into a folder (--data-dir)"),
+    "report": _Command(_add_report, help="measure a mission's error against run time; writes a page"),
+    "clean": _Command(add_clean, help="reject low-detail images of a dataset; deletes nothing"),
+    "split": _Command(add_split, help="divide the images of a dataset into training, validation and test"),
+    "load": _Command(
+        add_load, help="load every batch of a dataset once, as for training; prints shapes and images per second"
+    ),
+    "pairs": _Command(add_pairs, help="capture places from a satellite and a drone, in the layout of University-1652"),
+    "convert": _Command(
+        add_convert, help="make a dataset with our tables from the paper's published folders or its supplement"
+    ),
+    "mosaic": _Command(
+        add_mosaic,
+        help="write one orthophoto of all images of a dataset, including rotated and tilted ones and those over relief",
+    ),
+    "export": _Command(
+        add_export, help="write a dataset, its camera frames and poses, or a benchmark for other programs"
+    ),
+    "poses": _Command(
+        _add_poses,
+        help="make tables of poses from trajectories, logs or lines, around structures or at random; and noisy priors",
+    ),
+    "benchmark": _Command(
+        _add_benchmark, help="make a benchmark of queries and a reference, run a baseline over it, score predictions"
+    ),
+    "sources": _Command(_add_sources, help="list sources of imagery and their terms; show, add or remove one"),
+    "cameras": _Command(_add_cameras, help="list cameras; add or remove your own"),
+    "cache": _Command(_add_cache, help="list or clear the tiles cached for later captures"),
+}

@@ -15,12 +15,8 @@ from .dataset_options import add_option
 CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio", "overlap")
 
 
-def add_poses(commands: Any, parser_class: Any) -> None:
-    """Add the parsers of ``terrainav poses`` and its actions."""
-    whole = commands.add_parser(
-        "poses",
-        help="make tables of poses from trajectories, logs or lines, around structures or at random; and noisy priors",
-    )
+def add_poses(whole: argparse.ArgumentParser, parser_class: Any) -> None:
+    """Add the actions of ``terrainav poses`` and their options."""
     actions = whole.add_subparsers(dest="action", metavar="ACTION", required=True, parser_class=parser_class)
     _add_read(actions)
     _add_random(actions)

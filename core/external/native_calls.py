@@ -8,7 +8,6 @@ cannot be stopped within a block; its result is dropped.
 from __future__ import annotations
 
 import atexit
-import logging
 import os
 import sys
 import threading
@@ -138,6 +137,8 @@ def _register_end() -> None:
 def _end() -> None:
     """Keep GDAL from being unloaded while threads are inside it."""
     if _exit_code is not None and _under_way():
+        import logging
+
         for stream in (sys.stdout, sys.stderr):
             if stream is not None:
                 stream.flush()

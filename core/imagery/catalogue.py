@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
@@ -127,6 +126,8 @@ def entry_named(name: str) -> CatalogueEntry:
     entries = {entry.name: entry for entry in user_shelf.entries}
     if wanted in entries:
         return entries[wanted]
+    import difflib
+
     close = difflib.get_close_matches(wanted, [*shipped_data(), *entries], n=3, cutoff=0.5)
     hint = Message("did you mean {0}? ", " or ".join(close)) if close else ""
     raise InvalidInput(

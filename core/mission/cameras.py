@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -182,6 +181,8 @@ def camera_named(name: str) -> CameraPreset:
     if found is not None:
         return found
     names = {key(preset.name): preset.name for preset in presets}
+    import difflib
+
     close = [names[near] for near in difflib.get_close_matches(wanted, names, n=3, cutoff=0.5)]
     close = close or [known for near, known in names.items() if wanted and wanted in near][:3]
     hint = Message("did you mean {0}? ", " or ".join(close)) if close else ""

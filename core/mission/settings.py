@@ -6,7 +6,6 @@ order. Alternative options count as one: ``--hfov`` precedes a ``fov`` in the fi
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -19,9 +18,8 @@ from ..limits import MAX_SETTINGS_BYTES
 from ..storage.files import read_limited
 from ..text.safe_json import parse_json
 from ..units import LENGTHS_M
-from .areas.area import Area, Points
+from .areas.area import Area, Points, Polygon
 from .areas.coords import parse_coords
-from .areas.files import load_area, load_no_fly
 from .cameras import camera_named
 from .flight.wind import Wind
 from .mission import Mission, flat_fields
@@ -149,6 +147,8 @@ def _read_config(config: str | None) -> dict[str, Any]:
     known = [option.name for option in OPTIONS]
     for name in data:
         if name not in known:
+            import difflib
+
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; known are {', '.join(known)}"
             raise InvalidInput("config file {0}: unknown option {1!r}{2}", path, name, hint)
@@ -174,8 +174,15 @@ def build_mission(values: Mapping[str, Any]) -> Mission:
     if isinstance(fields["stretch"], tuple):
         fields["stretch"] = " ".join(fields["stretch"])
     fields.update(agl_m=agl_m, overlap_along=overlap[0], overlap_across=overlap[-1])
-    no_fly = () if values["no_fly"] is None else load_no_fly(values["no_fly"])
-    return Mission(area, camera=camera, wind=_wind(values), no_fly=no_fly, **fields)
+    return Mission(area, camera=camera, wind=_wind(values), no_fly=_no_fly(values), **fields)
+
+
+def _no_fly(values: Mapping[str, Any]) -> tuple[Polygon, ...]:
+    if values["no_fly"] is None:
+        return ()
+    from .areas.files import load_no_fly
+
+    return load_no_fly(values["no_fly"])
 
 
 def _wind(values: Mapping[str, Any]) -> Wind | None:
@@ -192,6 +199,8 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     if values["area"] is not None:
         if agl_m is None:
             raise InvalidInput("area {0!r}: needs a height, --agl", values["area"])
+        from .areas.files import load_area
+
         return load_area(values["area"]), agl_m
     if values["coords"] is None:
         raise InvalidInput('no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"')

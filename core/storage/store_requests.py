@@ -2,18 +2,17 @@
 
 fsspec communicates with network stores in a separate thread; functions here wait for this thread, watch the progress,
 and can be interrupted. Stores that run in the caller's thread, such as the in-memory store, have only built-in
-timeouts.
+timeouts. asyncio takes long to import, so it is imported where used.
 """
 
 # ruff: noqa: SLF001 (names of fsspec's asynchronous methods begin with an underscore)
 from __future__ import annotations
 
-import asyncio
 import importlib
 import time
 from collections.abc import AsyncIterator, Awaitable, Sequence
 from dataclasses import dataclass
-from typing import IO, Any, Callable, NamedTuple
+from typing import IO, TYPE_CHECKING, Any, Callable, NamedTuple
 
 from ..errors import InvalidInput, Message
 from ..limits import (
@@ -25,6 +24,9 @@ from ..limits import (
 )
 from ..waiting import wait_until_done
 from .redirects import same_server
+
+if TYPE_CHECKING:
+    import asyncio
 
 _PIECE_BYTES = 1 << 18
 #: Bytes counted for a name, about as many as it takes in an answer of S3.
@@ -111,6 +113,7 @@ def fetch_range(store: Any, key: str, start: int, length: int, file: IO[bytes]) 
 
 def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most_bytes: int) -> list[bool]:
     """Copy objects into files, several at once; return whether each exists."""
+    import asyncio
 
     async def copy_existing(key: str, file: IO[bytes], moved: Moved, turn: asyncio.Semaphore) -> bool:
         async with turn:
@@ -163,6 +166,8 @@ def larger_than(most_bytes: int) -> InvalidInput:
 
 def _ended(store: Any, work: Callable[[Moved], Awaitable[Any]], moved: Moved | None = None) -> Any:
     """Run a coroutine in fsspec's thread; cancel it if it stalls or the caller is interrupted."""
+    import asyncio
+
     moved = moved or Moved()
 
     async def limited_work() -> Any:
@@ -332,6 +337,8 @@ async def _limit_answers(store: Any) -> None:
 
 async def _send_limited(client: Any, request: Any) -> Any:
     """Send a botocore request; read the answer up to the limit, unless it is the body of an object."""
+    import asyncio
+
     errors = importlib.import_module("botocore.exceptions")
     is_object, request.stream_output = request.stream_output, True
     answer = await client._endpoint.http_session.send(request)

@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import errno
 import io
-import logging
 import os
 import re
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -116,6 +114,8 @@ def store_path(place: Address) -> Path:
         )
     if kind in _PACKAGES:
         _imported(*_PACKAGES[kind])
+        import logging
+
         # These libraries log pages of text for an error that is reported in one line.
         for log in map(logging.getLogger, ("azure", "gcsfs")):
             if log.level == logging.NOTSET:
@@ -218,6 +218,8 @@ def open_object(path: Path, most_bytes: int) -> IO[bytes]:
     OutputError
         The store fails, or the copy cannot be written.
     """
+    import tempfile
+
     found = False
     try:
         file: IO[bytes] = tempfile.TemporaryFile(prefix="terrainav-")  # noqa: SIM115 (the caller closes it)

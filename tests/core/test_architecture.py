@@ -20,6 +20,8 @@ PLUGIN = ROOT / "terrainav_plugin"
 
 FORBIDDEN = {"qgis", "PyQt4", "PyQt5", "PyQt6", "PySide2", "PySide6", "sip"}
 
+# Modules that take long to import, and that most commands can do without.
+SLOW = {"PIL", "asyncio", "concurrent.futures", "pyproj", "requests", "sqlite3", "ssl", "urllib3"}
 # What may be missing on a machine where the command has to work, or is slow to import where it is not used.
 ON_DEMAND = {
     "matplotlib",
@@ -281,10 +283,30 @@ def test_the_command_imports_nothing_that_it_may_not_need():
     assert {name.partition(".")[0] for name in loaded} & ON_DEMAND == set()
 
 
-def test_the_options_need_no_numerics():
-    loaded = in_fresh_interpreter("import sys, terrainav.core.cli.options\nprint(*sys.modules)")
-    assert "terrainav.core.cli.options" in loaded
-    assert {name.partition(".")[0] for name in loaded} & {"numpy", "PIL", "pyproj", "requests"} == set()
+def loaded_by_command(*arguments: str) -> set[str]:
+    """Modules that Python has loaded when a command ends."""
+    return set(
+        in_fresh_interpreter(
+            "import contextlib, io, sys\n"
+            "from terrainav.core.cli import main\n"
+            "with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):\n"
+            f"    main({list(arguments)!r})\n"
+            "print(*sys.modules)"
+        )
+    )
+
+
+def test_help_loads_only_the_options_of_its_command():
+    loaded = loaded_by_command("plan", "--help")
+    assert "terrainav.core.mission.options" in loaded
+    assert loaded & {"numpy", *SLOW, "logging", "terrainav.core.cli.flying", "terrainav.core.poses.settings"} == set()
+
+
+def test_a_plan_of_one_image_loads_neither_proj_nor_network_nor_formats():
+    loaded = loaded_by_command("plan", "--coords", "46.2_-122.2_120")
+    assert "terrainav.core.mission.estimate" in loaded
+    formats = {"terrainav.core.mission.export", "terrainav.core.mission.areas.files"}
+    assert loaded & {*SLOW, "logging", "numpy.typing", "statistics", "zipfile", *formats} == set()
 
 
 def test_importing_the_package_imports_nothing_else_of_it():

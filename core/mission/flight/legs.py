@@ -27,6 +27,9 @@ class Legs(NamedTuple):
 
 def legs(lat_deg: Floats, lon_deg: Floats) -> Legs:
     """Legs between captures at positions in degrees, (n,) each, n >= 1."""
+    if len(lat_deg) == 1:
+        # A plan of one image is made without importing pyproj.
+        return Legs(np.empty(0), np.empty(0))
     lon = wrap_lon_deg(lon_deg)
     forward, _, distance = geodesics(lat_deg[:-1], lon[:-1], lat_deg[1:], lon[1:])
     return Legs(forward, distance)
