@@ -12,10 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
-from ..arrays import Floats, Numbers
+from ..arrays import Floats, NDArray, Numbers
 from ..dataset.dataset import open_image
 from ..geodesy.camera import CORNERS, Poses
 from ..geodesy.ellipsoid import WGS84, sight_lines

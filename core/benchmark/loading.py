@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import NDArray
 from ..dataset.dataset import open_image
 from ..dataset.folder import TRAIN
 from ..dataset.loading.batches import ALL, BYTES, FLOATS, Indices, check_size

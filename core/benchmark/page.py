@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..dataset.dataset import open_image
 from ..external.drawing import (
     BLACK,

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import NDArray
 from ..dataset.folder import SHARES
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats, Numbers
+from ..arrays import Floats, NDArray, Numbers
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame, enu_axes

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import NamedTuple, Protocol, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Numbers
+from ..arrays import NDArray, Numbers
 from ..bands import RGB, source_bands
 from ..errors import InvalidInput, PartError
 from ..imagery.opening import NamedSource

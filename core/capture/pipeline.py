@@ -17,9 +17,8 @@ from queue import Empty, SimpleQueue
 from typing import IO, Generic, NamedTuple, TypeVar, Union, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Bytes
+from ..arrays import Bytes, NDArray
 from ..errors import Cancelled, PartError, TerrAInavError
 from ..external.unexpected import UnexpectedErrors
 from ..geodesy.frames import Windows

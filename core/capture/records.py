@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats, PixelValues
+from ..arrays import Floats, NDArray, PixelValues
 from ..bands import RGB, Bands, Range, shown_in_8_bits, source_bands, source_ranges
 from ..dataset.entropy import entropy
 from ..dataset.folder import TABLE_FILE

@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any, BinaryIO, Union
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
-from ..arrays import PixelValues
+from ..arrays import NDArray, PixelValues
 from ..bands import Bands, Range, unnamed
 from ..errors import InvalidInput
 from ..storage.files import write_whole

@@ -7,9 +7,8 @@ import io
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..errors import InvalidInput, Message
 from ..numbers import real_number
 

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any, Union
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
+from ..arrays import NDArray
 from ..bands import Bands
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..limits import MAX_IMAGE_FILE_BYTES, MAX_PICTURE_PX, MAX_SETTINGS_BYTES

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..errors import Cancelled, InvalidInput
 from .dataset import Dataset, Images, open_image, read_dataset
 from .folder import MISSION_FILE, TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_key

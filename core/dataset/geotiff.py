@@ -13,8 +13,8 @@ from mmap import mmap
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import NDArray
 from ..bands import BandMetadata, Bands, Range, colour_channels, percentiles, shown_in_8_bits, unnamed
 from ..limits import MAX_BANDS, MAX_PICTURE_BYTES, MAX_PICTURE_SIDE_PX
 

@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats, Numbers
+from ..arrays import Floats, NDArray, Numbers
 from ..errors import InvalidInput, Message, OutputError
 from ..limits import MAX_TABLE_BYTES
 from ..numbers import real_number

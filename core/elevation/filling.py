@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import NDArray
 from ..errors import InvalidInput, PartError
 from ..imagery.raster.reading import ReadError, filled
 

@@ -13,9 +13,8 @@ from importlib.util import resolve_name
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid
 from ..imagery.entry import CatalogueEntry

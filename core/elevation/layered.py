@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.raytracing.surface import Surface
 from .filling import REACH_PX, interpolated

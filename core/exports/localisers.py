@@ -16,10 +16,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
-from ..arrays import Bytes, Floats
+from ..arrays import Bytes, Floats, NDArray
 from ..benchmark.choices import CROSS_AREA
 from ..benchmark.folder import POSITIVE, QUERIES_FILE, Benchmark, Queries, write_columns
 from ..dataset.dataset import open_image

@@ -10,8 +10,8 @@ from typing import Any
 from urllib.parse import quote
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import NDArray
 from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.ground import are_camera_frames

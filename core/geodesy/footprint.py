@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Flags, Floats
+from ..arrays import Flags, Floats, NDArray
 from ..errors import InvalidInput
 from .camera import CORNERS, Camera, Poses
 from .ellipsoid import (

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats, Numbers
+from ..arrays import Floats, NDArray, Numbers
 from ..errors import InvalidInput
 from .accuracy import ImageGeometry, bound_px, map_frame_px, map_noise_px
 from .camera import EDGE_MIDPOINTS, Camera, Poses

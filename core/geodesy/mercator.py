@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import ClassVar, NoReturn, TypeVar, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Flags, Floats, Numbers
+from ..arrays import Flags, Floats, NDArray, Numbers
 from ..errors import InvalidInput
 from .ellipsoid import WGS84, Ellipsoid
 from .planes import At, ProjectedPlane

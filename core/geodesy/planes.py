@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Flags, Floats, Numbers
+from ..arrays import Flags, Floats, NDArray, Numbers
 from ..errors import InvalidInput
 from .ellipsoid import WGS84, Ellipsoid, arctan2, sin_cos, trace
 

@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Flags, Floats, Numbers
+from ..arrays import Flags, Floats, NDArray, Numbers
 from ..errors import InvalidInput
 from ..limits import MAX_IMAGE_TILES
 from .accuracy import ImageGeometry, grazing, mesh_noise_px

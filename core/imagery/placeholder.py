@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Callable, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import NDArray
 from ..errors import InvalidInput, Message
 from ..geodesy.mercator import PixelGrid
 from .source import Window

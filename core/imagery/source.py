@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats, PixelValues
+from ..arrays import Floats, NDArray, PixelValues
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
 

@@ -8,9 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..errors import InvalidInput
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import Poses

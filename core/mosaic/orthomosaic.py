@@ -19,9 +19,8 @@ from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Bytes, Floats, Numbers
+from ..arrays import Bytes, Floats, NDArray, Numbers
 from ..bands import Bands
 from ..dataset.dataset import open_masked, read_band_metadata
 from ..errors import Cancelled, InvalidInput

@@ -8,9 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats, PixelValues
+from ..arrays import Floats, NDArray, PixelValues
 from ..bands import RGB, Bands, fitted
 from ..errors import PartError
 from ..geodesy.mercator import PixelGrid

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import PixelValues
+from ..arrays import NDArray, PixelValues
 from ..bands import RGB, Bands, fitted
 from ..errors import InvalidInput, PartError
 from ..imagery.source import Part, Window

@@ -15,9 +15,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..geodesy.camera import Camera
 from ..geodesy.frames import in_image, swapped
 from ..mission.cameras import shipped_cameras

@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..bands import Bands
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.ellipsoid import WGS84, sight_lines

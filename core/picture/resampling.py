@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
-from numpy.typing import NDArray
 
-from ..arrays import Floats, PixelValues
+from ..arrays import Floats, NDArray, PixelValues
 
 #: Arrays of float32, which is enough for 8-bit images, or of float64.
 Weights = NDArray[Any]

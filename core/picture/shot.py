@@ -8,9 +8,8 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import PixelValues
+from ..arrays import NDArray, PixelValues
 from ..bands import RGB, Bands, fitted, full
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Walled, Window

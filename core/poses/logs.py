@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import IO, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..errors import Cancelled, InvalidInput, Message, OptionName, OutputError
 from ..geodesy.camera import attitude_from_axes
 from ..geodesy.quaternions import quaternions_from_angles, rotation_matrices

@@ -12,9 +12,8 @@ import os
 from dataclasses import asdict
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.table import unix_seconds

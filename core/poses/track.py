@@ -7,9 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..errors import Cancelled, InvalidInput, Message, OptionName
 from ..fields import field_named
 from ..mission.areas.area import Points, check_agl

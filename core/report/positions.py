@@ -6,9 +6,8 @@ from dataclasses import replace
 from typing import Any, Optional
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..errors import InvalidInput, Message
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import CORNERS, Camera, Poses

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Floats, NDArray
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import exact
 from ..mission.flight.legs import legs

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import PixelValues
+from ..arrays import NDArray, PixelValues
 from ..bands import Bands
 from ..errors import InvalidInput
 from ..geodesy.mercator import HALF_WORLD_M, PixelGrid, WebMercator

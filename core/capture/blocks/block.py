@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Numbers
+from ...arrays import NDArray, Numbers
 from ...errors import OutputError
 from ...imagery.opening import NamedSource, SourceOptions
 from ...imagery.placeholder import Repeats, noted_digests

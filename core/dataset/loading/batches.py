@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar, Union, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import NDArray
 from ...bands import Bands
 from ...errors import InvalidInput, Message, OptionName, OutputError
 from ...external.importing import imported

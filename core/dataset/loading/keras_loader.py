@@ -6,8 +6,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import NDArray
 from ...storage.stores import Address
 from ..dataset import Dataset
 from .batches import Ordered, chunks, make_samples, optional_module

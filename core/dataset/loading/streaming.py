@@ -21,9 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Numbers
+from ...arrays import NDArray, Numbers
 from ...errors import InvalidInput, OutputError, TerrAInavError
 from ...storage.files import PARTIAL_ENDING, lock_tried
 from ...storage.stores import get_range

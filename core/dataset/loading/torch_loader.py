@@ -8,8 +8,8 @@ from multiprocessing import get_all_start_methods
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import NDArray
 from ...errors import InvalidInput
 from ...storage.stores import Address, is_address
 from ..dataset import Dataset

@@ -7,9 +7,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Flags, Floats
+from ...arrays import Flags, Floats, NDArray
 from ...compiling import uses_numba
 from ..ellipsoid import WGS84, sight_lines, trace
 from ..mercator import PixelGrid

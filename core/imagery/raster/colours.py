@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Bytes
+from ...arrays import Bytes, NDArray
 from ...bands import DATA_TYPES, RGB, BandMetadata, Bands, chosen, colour_channels, unnamed
 from ...errors import InvalidInput, Message, OptionName
 from ...limits import MAX_BANDS

@@ -14,9 +14,8 @@ from types import MappingProxyType
 from typing import IO, Any, NamedTuple, Protocol, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Bytes
+from ...arrays import Bytes, NDArray
 from ...errors import Cancelled, InvalidInput, Message
 from ...external.native_calls import NativeCall
 from .remote import Remote

@@ -12,9 +12,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats
+from ...arrays import Floats, NDArray
 from ...errors import InvalidInput
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.reference import is_code, read_reference

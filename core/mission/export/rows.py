@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import NDArray
 from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ..outlines import footprints_deg

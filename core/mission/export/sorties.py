@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, NDArray, Numbers
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
 from ..flight.legs import legs

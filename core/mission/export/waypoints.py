@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats
+from ...arrays import Floats, NDArray
 from ...errors import Message
 from ...geodesy.mercator import wrap_lon_deg
 from ..flight.path import CAPTURE, LANDING, LEAD_IN, TAKEOFF, TRANSIT, TURNAROUND

@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import NDArray
 from ...errors import InvalidInput, Message
 from ...fields import field_named
 from ...geodesy.projections import LocalPlane, geodesics

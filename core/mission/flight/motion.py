@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats
+from ...arrays import Floats, NDArray
 from ...errors import InvalidInput
 from ...units import M_PER_FT
 from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, output_matrix

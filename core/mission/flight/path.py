@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, NDArray, Numbers
 from ...errors import InvalidInput
 from ...geodesy.camera import Poses
 from ...geodesy.mercator import wrap_lon_deg

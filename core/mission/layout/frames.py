@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, NDArray, Numbers
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.footprint import Corners

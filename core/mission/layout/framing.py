@@ -9,9 +9,8 @@ from functools import cached_property, partial
 from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, NDArray, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import ImageGeometry
 from ...geodesy.camera import Poses

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, NDArray, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import Camera, Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid

@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, NDArray, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import CORNERS, Poses
 from ...geodesy.ellipsoid import WGS84, sight_lines, sin_cos

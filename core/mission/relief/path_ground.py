@@ -8,9 +8,8 @@ from dataclasses import replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, NDArray, Numbers
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.projections import LocalPlane
 from ...geodesy.raytracing.surface import Surface
