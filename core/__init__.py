@@ -7,6 +7,7 @@ See docs/contributing.md for the rooms and their order of imports. All rooms sha
 - `addresses`: passwords and keys in addresses
 - `numbers`: parsing of numbers
 - `arrays`: array types
+- `deflate`: compression of pixels
 - `units`, `fields`: declared fields of missions, and units
 - `bands`: channels of images, and the display of more than 8 bits
 - `map_types`: kinds of imagery
