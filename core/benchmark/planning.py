@@ -20,6 +20,7 @@ from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..mission.areas.area import Box, Points
 from ..mission.imageries import NamedImagery
 from ..mission.inside import captured_points, captures_inside
+from ..mission.layout.frames import MapFrames
 from ..mission.mission import Mission
 from ..mission.plan import Plan, plan
 from ..mission.relief.ground import Heights
@@ -223,7 +224,12 @@ def _clipped(mosaic: Plan) -> Plan:
     if (right <= left).any() or (lower <= upper).any():
         raise InvalidInput("reference {0}: has no imagery where the queries are", mosaic.mission.imagery.source)
     size = (right - left).astype(np.int64), (lower - upper).astype(np.int64)
-    return replace(mosaic, windows=Windows(left.astype(np.int64), upper.astype(np.int64), *size))
+    return _with_windows(mosaic, Windows(left.astype(np.int64), upper.astype(np.int64), *size))
+
+
+def _with_windows(one: Plan, windows: Windows) -> Plan:
+    """Plan of map frames that show other windows."""
+    return replace(one, windows=windows, frames=MapFrames.from_windows(windows, one.poses, one.grid))
 
 
 def _extent_px(one: Plan) -> tuple[float, float, float, float]:
@@ -348,7 +354,7 @@ def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:
     agl_m = width_m / camera.ground_size_m(1.0)[0]
     places = tuple((*place, agl_m) for place in zip(lat.tolist(), lon.tolist()))
     found = plan(_reference(settings, Points(places), agl_m, camera=camera, zoom=zoom), grid)
-    return replace(found, windows=windows, column=column.astype(np.int64), row=row.astype(np.int64))
+    return replace(_with_windows(found, windows), column=column.astype(np.int64), row=row.astype(np.int64))
 
 
 def _steps(length_px: int, side_px: int, overlap: float) -> NDArray[np.int64]:

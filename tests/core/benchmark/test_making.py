@@ -100,7 +100,12 @@ def test_labels_say_where_every_pixel_was_taken(tmp_path, tilt_deg):
         assert (off.max(axis=1) <= 0.1 * np.array([4.0, 4.0, 8.0]) + 0.501).all()
 
 
-def test_the_mosaic_is_the_reference_pixel_for_pixel(benchmark, dates):
+@pytest.mark.parametrize("ends_at_edges", [False, True])
+def test_the_mosaic_is_the_reference_pixel_for_pixel(tmp_path, benchmark, settings, dates, ends_at_edges):
+    if ends_at_edges:
+        one = replace(settings, queries=mission(1), imageries=settings.imageries[:1], split="none", margin_m=700.0)
+        benchmark = made(tmp_path / "clipped", one).benchmark
+        assert (benchmark.mosaic.width_px, benchmark.mosaic.height_px) == (WIDTH, HEIGHT)
     mosaic = benchmark.mosaic
     with Image.open(benchmark.folder / mosaic.file) as image:
         found = np.asarray(image.convert("L"))
