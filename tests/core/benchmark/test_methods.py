@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 import shutil
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from pyproj import Geod
+from pyproj import Geod, Transformer
 from terrainav.core.benchmark import correlation, features
 from terrainav.core.benchmark.answers import Answer, Query, visible_query
 from terrainav.core.benchmark.folder import Benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings
 from terrainav.core.benchmark.running import method_named, middle, run_method
 from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.geodesy.camera import Camera, Poses
+from terrainav.core.geodesy.ellipsoid import WGS84
+from terrainav.core.geodesy.footprint import exact
 
 from tests.core.benchmark.conftest import made, mission
 
@@ -84,23 +88,48 @@ def test_correlation_ranks_tiles_of_the_right_ground_first(benchmark):
 @pytest.mark.parametrize("seed", range(3))
 def test_agreement_is_the_correlation_coefficient_at_every_place(seed):
     rng = np.random.default_rng(seed)
-    reference, picture = rng.random((23, 31)), rng.random((7, 9))
-    mask = (rng.random((7, 9)) < 0.7).astype(float)
-    grey = (picture - picture[mask > 0].mean()) * mask
-    patch = correlation._Patch(grey, mask, 0, 0, (0.0, 0.0), (0.0, 0.0))
-    found = correlation._agreement(patch, reference.shape, correlation._transforms(reference))
-    for row in range(17):
-        for column in range(23):
-            below = reference[row : row + 7, column : column + 9][mask > 0]
-            assert found[row, column] == pytest.approx(np.corrcoef(below, picture[mask > 0])[0, 1], abs=1e-9)
+    grey, picture = rng.integers(0, 256, (23, 31), np.uint8), rng.random((7, 9))
+    # One half is nearly uniform: only single pixels differ, by one grey level.
+    grey[:, 16:] = 200 + (rng.random((23, 15)) < 0.02)
+    reference = correlation._Reference(grey)
+    first = rng.random((7, 9)) < 0.7
+    # The energies of the second mask are those of the first one, adapted.
+    for mask in (first, first ^ (rng.random((7, 9)) < 0.1)):
+        template = np.where(mask, picture - picture[mask].mean(), 0.0)
+        found = correlation._agreement(template, mask, reference)
+        assert found.shape == (17, 23)
+        for row, column in np.ndindex(found.shape):
+            below = grey[row : row + 7, column : column + 9][mask]
+            expected = np.corrcoef(below, picture[mask])[0, 1] if np.ptp(below) else -1.0
+            assert found[row, column] == pytest.approx(expected, abs=1e-9)
+    assert (found == -1.0).any()
 
 
 def test_one_colour_agrees_with_nothing():
-    flat = correlation._Patch(np.zeros((4, 4)), np.ones((4, 4)), 0, 0, (0.0, 0.0), (0.0, 0.0))
-    assert correlation._agreement(flat, (9, 9), correlation._transforms(np.ones((9, 9)))) is None
-    grey = np.arange(16.0).reshape(4, 4) - 7.5
-    patch = correlation._Patch(grey, np.ones((4, 4)), 0, 0, (0.0, 0.0), (0.0, 0.0))
-    assert (correlation._agreement(patch, (9, 9), correlation._transforms(np.full((9, 9), 200.0))) == -1.0).all()
+    everywhere = np.ones((4, 4), bool)
+    uniform = correlation._Reference(np.full((9, 9), 200, np.uint8))
+    assert correlation._agreement(np.zeros((4, 4)), everywhere, uniform) is None
+    assert (correlation._agreement(np.arange(16.0).reshape(4, 4) - 7.5, everywhere, uniform) == -1.0).all()
+
+
+@pytest.mark.parametrize(("tilt_deg", "lat_deg"), [(0.0, 35.11), (60.0, 35.11), (60.0, -84.0)])
+def test_a_view_is_where_the_camera_sees_it(benchmark, tilt_deg, lat_deg):
+    """Rays through its points meet the ground in the middles of the reference's pixels."""
+    mosaic, lon_deg, agl_m = benchmark.mosaic, -89.96, 120.0
+    if lat_deg < 0.0:
+        x, y = Transformer.from_crs(4326, 3857, always_xy=True).transform(lon_deg, lat_deg)
+        values = {"west": x - 3e5, "north": y + 3e5, "pixel_width": 200.0, "pixel_height": 200.0}
+        mosaic, agl_m = replace(mosaic, crs="EPSG:3857", width_px=3_000, height_px=3_000, **values), 9_000.0
+    sight = correlation._Sight(Camera(30.0, 4.0 / 3.0), agl_m, 0.0, 33.0, tilt_deg, 5.0)
+    view = sight.view(lat_deg, lon_deg, mosaic, 1)
+    rows, columns = np.nonzero(view.mask)
+    assert len(rows) > 30
+    points = view.points[rows, columns] * (2.0, -2.0) + (-1.0, 1.0)
+    pose = Poses.from_attitude(np.array([lat_deg]), np.array([lon_deg]), np.array([agl_m]), 33.0, tilt_deg, 5.0)
+    seen = exact(sight.camera, pose, points, WGS84)
+    column, row = mosaic.px(seen.lat_deg[0], seen.lon_deg[0])
+    assert np.abs(column - (view.left + columns + 0.5)).max() < 1e-6
+    assert np.abs(row - (view.top + rows + 0.5)).max() < 1e-6
 
 
 def test_queries_come_with_priors_of_the_stated_errors(benchmark):
