@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple, Protocol, Union
 
 import numpy as np
@@ -163,7 +164,7 @@ class Polygon(_CoveredArea):
         """Longitudes and latitudes of each ring; continuous, the westernmost in [-180, 180)."""
         return [(np.array([p[0] for p in ring]), np.array([p[1] for p in ring])) for ring in self.rings]
 
-    @property
+    @cached_property
     def bounds(self) -> Box:
         """The smallest box around the outer ring."""
         lon, lat = self.arrays()[0]
@@ -486,20 +487,26 @@ def _pairs_of_edges(lon0: Floats, lon1: Floats) -> Iterator[tuple[Numbers, Numbe
     west = np.minimum(lon0, lon1)
     # Count the edges that begin before each one ends.
     counts = np.maximum(np.searchsorted(west, np.maximum(lon0, lon1)) - np.arange(len(west)) - 1, 0)
-    totals = np.cumsum(counts)
-    if len(totals) and totals[-1] > MAX_PAIRS_OF_SIDES:
+    total = int(counts.sum())
+    if total > MAX_PAIRS_OF_SIDES:
         raise InvalidInput(
             "polygon whose sides are too many beside each other: {0:,} pairs of them share a longitude; {1:,} at most",
-            int(totals[-1]),
+            total,
             MAX_PAIRS_OF_SIDES,
         )
+    return _pairs(np.arange(1, len(west) + 1), counts)
+
+
+def _pairs(first: Numbers, counts: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
+    """Yield pairs of each index of ``first`` (n,) with ``counts`` numbers from ``first`` on, in batches."""
+    totals = np.cumsum(counts)
     start = 0
-    while start < len(west):
+    while start < len(counts):
         before = int(totals[start - 1]) if start else 0
         stop = max(int(np.searchsorted(totals, before + _CHUNK, side="right")), start + 1)
         at = np.repeat(np.arange(start, stop), counts[start:stop])
         rank = np.arange(len(at)) - np.repeat(totals[start:stop] - counts[start:stop] - before, counts[start:stop])
-        yield at, at + 1 + rank
+        yield at, first[at] + rank
         start = stop
 
 
@@ -674,12 +681,16 @@ def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, 
 def polygon_contains(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
     """Which places are inside a polygon, (n,); longitudes are continuous with the polygon's."""
     edges = polygon_edges(polygon)
-    held = np.zeros(len(lat_deg), bool)
-    for some in _batches(len(lat_deg), len(edges[0])):
-        lat = lat_deg[some, np.newaxis]
-        at, edge = np.nonzero((edges[1] <= lat) != (edges[3] <= lat))
-        before = _crossing(_select(edges, edge), lat[at, 0]) < lon_deg[some][at]
-        held[some] = np.bincount(at[before], minlength=len(lat)) % 2 == 1
+    order = np.argsort(lat_deg, kind="stable")
+    lat, lon = lat_deg[order], lon_deg[order]
+    # The parallels of these places cross an edge; edges include their southern ends.
+    first, end = (np.searchsorted(lat, side(edges[1], edges[3])) for side in (np.minimum, np.maximum))
+    crossings = np.zeros(len(lat), np.int64)
+    for edge, at in _pairs(first, end - first):
+        before = _crossing(_select(edges, edge), lat[at]) < lon[at]
+        crossings += np.bincount(at[before], minlength=len(lat))
+    held = np.zeros(len(lat), bool)
+    held[order] = crossings % 2 == 1
     return held
 
 

@@ -113,6 +113,26 @@ def test_longitudes_of_all_parts_go_on_from_the_west_of_the_bounds(places):
         assert polygon_contains(shape, lat[:1] + 1e-4, lon[:1] + 1e-4).all()
 
 
+@pytest.mark.parametrize("chunk", [1, 50, area_module._CHUNK])
+def test_places_are_inside_by_the_sum_of_the_angles_that_corners_make(chunk):
+    rng = np.random.default_rng(7)
+    turns = np.sort(rng.random(60)) * 2.0 * math.pi
+    reach = 1.0 + rng.random(60)
+    lon, lat = np.round(reach * np.cos(turns), 1), np.round(reach * np.sin(turns), 1)
+    shape = Polygon((tuple(zip(lon.tolist(), lat.tolist())),))
+    # Many places are at latitudes of corners.
+    at_lat, at_lon = np.round(rng.uniform(-2.0, 2.0, 500), 1), rng.uniform(-2.0, 2.0, 500)
+    with mock.patch.object(area_module, "_CHUNK", chunk):
+        found = polygon_contains(shape, at_lat, at_lon)
+    lon, lat = shape.arrays()[0]
+    corners = (lon + 1j * lat) - (at_lon + 1j * at_lat)[:, np.newaxis]
+    angles = np.angle(np.roll(corners, -1, axis=1) / corners)
+    off_sides = (np.abs(angles) < math.pi - 1e-9).all(axis=1)
+    assert off_sides.sum() > 480
+    winding = np.rint(angles.sum(axis=1) / (2.0 * math.pi)).astype(int)
+    np.testing.assert_array_equal(found[off_sides], winding[off_sides] % 2 == 1)
+
+
 def test_the_area_is_the_sum_of_the_parts_as_geodesics_measure_it():
     area = Polygons((FIELD, OTHER, FIELD))
     assert area.parts == (FIELD, OTHER)
