@@ -149,13 +149,26 @@ class View:
         """
         found = [np.empty(0, np.int64)]
         u = self.grid.meridian_u(lon_deg) + moved_u
-        for zoom, *extent in self.extents():
+        is_row = bool((moved_v == moved_v[:1]).all())
+        for zoom, *cells in self.extents():
+            extent = self._merged(zoom, float(moved_v[0]), *cells) if is_row and len(cells[0]) else cells
             # Bounds the extents whose tiles are counted at a time.
             step = max((1 << 19) // len(extent[0]), 1)
             for start in range(0, len(u), step):
                 part = slice(start, start + step)
                 found.append(self._keys(zoom, u[part, np.newaxis], moved_v[part, np.newaxis], *extent))
         return np.unique(np.concatenate(found))
+
+    def _merged(
+        self, zoom: int, moved_v: float, west: Floats, east: Floats, north: Floats, south: Floats
+    ) -> list[Floats]:
+        """Merge extents that overlap and lie in the same rows of tiles; their tiles stay the same, for any ``u``."""
+        *_, first_y, last_y = self._tile_spans(zoom, 0.0, west, east, north + moved_v, south + moved_v)
+        order = np.lexsort((west, last_y, first_y))
+        west, east, rows = west[order], east[order], np.stack([first_y, last_y])[:, order]
+        is_apart = (np.diff(rows) != 0).any(axis=0) | (west[1:] > east[:-1])
+        first = np.append(0, np.flatnonzero(is_apart) + 1)
+        return [west[first], np.maximum.reduceat(east, first), north[order[first]], south[order[first]]]
 
     def _keys(
         self, zoom: int, u: Floats, moved_v: Floats, west: Floats, east: Floats, north: Floats, south: Floats

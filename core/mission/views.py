@@ -185,10 +185,14 @@ class CameraViews:
             np.clip(v, -1.0, 2.0) if self.grid.plane.wraps else v,
         )
         seen: NDArray[np.int64] = np.empty(0, np.int64)
+        added: list[NDArray[np.int64]] = []
         for start, end in zip(starts.tolist(), np.append(starts[1:], count).tolist()):
             u, v = (values[start:end] - values[start] for values in positions)
-            keys = self._level_view(start).tile_keys(self.poses.lon_deg[start:end], u, v)
-            seen = np.union1d(seen, keys)
+            added.append(self._level_view(start).tile_keys(self.poses.lon_deg[start:end], u, v))
+            # Sorting as many new keys as there are bounds both time and memory.
+            if end == count or sum(map(len, added)) > len(seen):
+                seen = np.unique(np.concatenate([seen, *added]))
+                added = []
         return len(seen)
 
     def _level_view(self, index: int) -> View:
