@@ -440,6 +440,8 @@ def _rooms(ring: Floats, ratios: Floats) -> Floats:
     distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])[:, :, np.newaxis]
     reach_u, reach_v = (np.abs(way[..., axis])[:, :, np.newaxis] for axis in (1, 0))
     need = reach_u + reach_v * ratios[:, np.newaxis]
+    with np.errstate(invalid="ignore"):
+        room = distance / need
     # Coincident vertices define no line.
-    room = np.where(need > 0.0, distance / np.where(need > 0.0, need, 1.0), np.inf)
+    np.copyto(room, np.inf, where=need <= 0.0)
     return np.where(flat[:, np.newaxis], 0.0, room.min(axis=1))
