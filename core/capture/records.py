@@ -199,15 +199,16 @@ def _effective_gsd_m(plan: Plan, index: int) -> float:
     """Metres of ground in the middle of an image: the larger of a pixel of the image and a pixel of the source."""
     mission, grid = plan.mission, plan.grid
     if plan.frames.on_map:
-        lat, lon = (np.asarray(angle[index]) for angle in plan.frame_centres)
-        pixel_m, zoom = float(grid.ground_m_per_px(lat, lon, plan.zoom)), plan.zoom
+        pixel_m = float(plan.pixels_m[index])
+        source_m = pixel_m * grid.world_px(plan.zoom) / grid.world_px(min(plan.zoom, grid.native_zoom))
     else:
         lat, lon = np.asarray(plan.lat_deg[index]), np.asarray(plan.lon_deg[index])
         pixel_m = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / float(plan.frames.width_px[index])
-        zoom = plan.frames.finest_zoom(plan)
+        zoom = min(plan.frames.finest_zoom(plan), grid.native_zoom)
+        source_m = float(grid.ground_m_per_px(lat, lon, zoom))
     if mission.output.img_size is not None:
         pixel_m *= float(plan.frames.width_px[index]) / mission.output.img_size[0]
-    return max(pixel_m, float(grid.ground_m_per_px(lat, lon, min(zoom, grid.native_zoom))))
+    return max(pixel_m, source_m)
 
 
 def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:

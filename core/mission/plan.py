@@ -194,6 +194,11 @@ class Plan:
         return self.frames.centres(self)
 
     @cached_property
+    def pixels_m(self) -> Floats:
+        """Metres of ground per pixel of the zoom in the middle of pictures, (n,)."""
+        return self.grid.ground_m_per_px(*self.frame_centres, self.zoom)
+
+    @cached_property
     def names(self) -> list[str]:
         """File name of each picture without its ending, as in the published dataset."""
         columns = (self.column, self.row, *self.frame_centres, self.frames.named_zooms(self))

@@ -91,7 +91,8 @@ class Colours:
         if alpha is not None:
             has_imagery &= alpha != 0
         colours[..., count] = has_imagery
-        colours[~has_imagery] = 0
+        if not has_imagery.all():
+            colours[~has_imagery] = 0
         return colours
 
     def _inverted(self, band: int, values: Values) -> Values:

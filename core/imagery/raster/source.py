@@ -34,13 +34,15 @@ from .colours import Colours, choose_colours, height_colours
 from .georeference import TILE_PX, RasterGeoreference
 from .reading import Facts, PixelBox, Pool, ReadError, Values, opener
 from .remote import Remote
-from .resampling import MOST_PX, PixelFootprints, Sums, means, pixel_footprints, reduced
+from .resampling import MOST_PX, PixelFootprints, Sums, means, pixel_footprints, reduced, without_mask
 from .trust import FETCHED, KEY, allowed_drivers, check_virtual, file_of_part, host_of_virtual, name_for_gdal
 
 #: Least and greatest number of pixels for percentiles; an overview needs the least to be chosen.
 _SAMPLED_PX, _MOST_SAMPLED_PX = 1 << 18, 1 << 22
 #: Slivers of pixels narrower than this are not read, px: noise of positions, far below the tolerance of `means`.
 _SLIVER_PX = 1e-5
+#: Side of the parts of pixels that are copied, a common size of blocks.
+_COPIED_PX = 512
 #: Placeholder of the date in a path.
 PLACEHOLDER = "{date}"
 
@@ -239,8 +241,9 @@ class RasterSource:
         return self._place.is_warped
 
     def parts(self, window: Window) -> list[Part]:
-        """Tiles that fill ``window``."""
-        return tile_parts(window, self.grid)
+        """Tiles that fill ``window``, larger ones where pixels are the raster's: calls take longer than pixels."""
+        is_copied = not self.grid.plane.wraps and window.zoom == self.grid.native_zoom
+        return tile_parts(window, self.grid, _COPIED_PX if is_copied else 0)
 
     def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002 (a file has one kind of picture)
         """Pixels of a part.
@@ -267,7 +270,7 @@ class RasterSource:
         picture = self._mean_colours(pixel_footprints(*self._place.positions(part, self.grid)), part)
         if self._is_stretched:
             picture = self._stretched(picture)
-        return np.ascontiguousarray(picture[..., :-1]) if bool(picture[..., -1].all()) else picture
+        return without_mask(picture) if bool(picture[..., -1].all()) else picture
 
     @property
     def ranges(self) -> tuple[Range, ...]:
