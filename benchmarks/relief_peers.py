@@ -1,8 +1,12 @@
-"""Pictures over relief against software that others wrote: Embree follows the same rays, COLMAP rebuilds the ground.
+"""Pictures over relief against software that others wrote.
 
-    python -m venv peers && peers/bin/pip install -e '.[raster]' embreex pycolmap
-    peers/bin/python benchmarks/relief_peers.py --dsm dsm.tif            # both, some minutes
+Embree follows the same rays, OpenGL and Embree with OpenCV draw the same pictures, COLMAP rebuilds the ground.
+
+    python -m venv peers
+    peers/bin/pip install -e '.[raster]' embreex moderngl opencv-python-headless pycolmap
+    peers/bin/python benchmarks/relief_peers.py --dsm dsm.tif            # all, some minutes
     peers/bin/python benchmarks/relief_peers.py --dsm dsm.tif --only embree
+    peers/bin/python benchmarks/relief_peers.py --dsm dsm.tif --only pictures
     peers/bin/python benchmarks/relief_peers.py --dsm dsm.tif --only colmap --keep folder
 
 The peers are no part of TerrAInav and live in an environment of their own; one that is missing is skipped in a line.
@@ -11,6 +15,10 @@ Embree gets each cell as two triangles, in metres east, north and up of the came
 coordinates, puts them there. Triangles differ from the bilinear patch by up to a quarter of the cell's twist in height,
 and along a ray by that over how fast the ray comes nearer to the ground. What differs by more is judged by a third: a
 walk along the ray, in steps of a fiftieth of a cell through PROJ, over bilinear heights.
+
+Pictures show an image of noise on the ground. OpenGL (moderngl on EGL, with llvmpipe on one thread) draws Embree's
+triangles with it; Embree's first hits and their barycentric coordinates are looked up by ``cv2.remap``. Both have the
+image's coordinates at the vertices, while TerrAInav finds them from the latitudes and longitudes of its points.
 
 COLMAP gets ten pictures of a capture, where they were taken and the camera, and nothing of the ground. The heights of
 the points that it triangulates are compared with the bilinear surface model at the same places. It is done, too, for
@@ -25,17 +33,21 @@ import importlib.util
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+# OpenGL in software draws in the thread that is timed.
+os.environ.setdefault("LP_NUM_THREADS", "0")
 
 import numpy as np
 import pyproj
 from relief import CAMERA, HEIGHTS_M, SIZE, TILTS, Hills, march, timed
 from terrainav.core.capture.runner import capture
+from terrainav.core.compiling import uses_numba
 from terrainav.core.elevation.layered import open_relief
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
@@ -46,6 +58,7 @@ from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import mission_heights
+from terrainav.core.picture.resampling import sample
 
 TOLERANCE_PX, YAW = 0.02, 30.0
 #: Cells along each side of what the surface model has for Embree, and steps to a cell of the third.
@@ -58,6 +71,34 @@ GEODETIC = pyproj.Transformer.from_crs(4978, 4979, always_xy=True)
 #: Flight for COLMAP: metres above the first point's ground, metres between pictures along and across, tilts, px.
 AGL_M, ALONG_M, ACROSS_M, TILTED, IMAGE_PX = 150.0, 30.0, 39.0, (0.0, 25.0), 800
 ORTHO_M, ORTHO_PX = 0.2, 3000
+#: Pixels of the image on the ground to a side of a cell, at most, and to a side of the whole.
+TEXELS, TEXTURE_PX = 8, 4096
+VERTEX_SHADER = """
+#version 330
+in vec3 metres;
+in vec2 cell;
+uniform mat4 projection;
+out vec3 point;
+out vec2 texel;
+uniform vec2 cells;
+void main() {
+    gl_Position = projection * vec4(metres, 1.0);
+    point = metres;
+    texel = (cell + 0.5) / cells;
+}
+"""
+FRAGMENT_SHADER = """
+#version 330
+in vec3 point;
+in vec2 texel;
+uniform sampler2D ground;
+layout(location = 0) out vec4 place;
+layout(location = 1) out float grey;
+void main() {
+    place = vec4(point, 1.0);
+    grey = texture(ground, texel).r;
+}
+"""
 
 
 @dataclass(frozen=True)
@@ -189,8 +230,8 @@ def ground_ellipsoid(path: str) -> Ground:
         return Ground(pyproj.Proj(file.crs.to_wkt()), t.c + t.a / 2.0, t.f + t.e / 2.0, t.a, band)
 
 
-def embree(name: str, agl: float, surface: Surface, ground: Ground, cell_m: float) -> None:
-    """Print a row for each tilt."""
+def comparisons(agl: float, surface: Surface, ground: Ground, cell_m: float) -> Iterator[tuple[float, Comparison]]:
+    """Tilts, and a picture of the middle of a surface for each."""
     side_m = min(ground.heights_m.shape) * cell_m
     lon, lat = ground.places()
     middle = tuple(float(values[len(lon) // 2, lon.shape[1] // 2]) for values in (lon, lat))
@@ -200,8 +241,16 @@ def embree(name: str, agl: float, surface: Surface, ground: Ground, cell_m: floa
         back = min(agl * np.tan(np.radians(tilt)), 0.49 * side_m)
         way = back * np.array([-np.sin(np.radians(YAW)), -np.cos(np.radians(YAW)), 0.0])
         at_lon, at_lat, _ = (float(value) for value in Local(*middle, level).places(way))
-        one = Comparison(surface, ground, cell_m, (at_lon, at_lat, level + agl), tilt)
-        print(f"| {name} | {agl:g} m | {tilt:g} | " + " | ".join(one.row()) + " |", flush=True)
+        yield tilt, Comparison(surface, ground, cell_m, (at_lon, at_lat, level + agl), tilt)
+
+
+def scenes(dsm: str | None) -> Iterator[tuple[str, Comparison]]:
+    """First cells of a row for each picture, and the picture."""
+    for agl in HEIGHTS_M:
+        for name, made in (("hills", lambda agl=agl: hills(agl)), ("surface", lambda: of_file(dsm))):
+            if name == "hills" or dsm:
+                for tilt, one in comparisons(agl, *made()):
+                    yield f"| {name} | {agl:g} m | {tilt:g}", one
 
 
 class Comparison:
@@ -226,6 +275,11 @@ class Comparison:
         self.focal_px = SIZE[0] / (2.0 * CAMERA.half_tangents[0])
         across, down = (self.pixels - np.array(SIZE) / 2.0).T / self.focal_px
         self.rays = np.stack([across, -down, np.ones_like(across)], axis=1) @ self.axes
+        lon, lat = ground.places()
+        self.vertices = self.local.of(lon, lat, ground.heights_m).reshape(-1, 3).astype(np.float32)
+        number = np.arange(lon.size, dtype=np.int32).reshape(lon.shape)
+        a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]))
+        self.triangles = np.stack([a, c, b, b, c, d], axis=1).reshape(-1, 3)
 
     def traced(self, relief: Kept) -> Tracing:
         """TerrAInav's."""
@@ -246,11 +300,6 @@ class Comparison:
 
     def row(self) -> list[str]:
         """Cells of a table."""
-        lon, lat = self.ground.places()
-        self.vertices = self.local.of(lon, lat, self.ground.heights_m).reshape(-1, 3).astype(np.float32)
-        number = np.arange(lon.size, dtype=np.int32).reshape(lon.shape)
-        a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]))
-        self.triangles = np.stack([a, c, b, b, c, d], axis=1).reshape(-1, 3)
         fresh, known = (Kept(self.surface, self.cell_m, anew=anew) for anew in (True, False))
         whole_s = timed(partial(self.traced, fresh))
         own = self.traced(known)
@@ -348,10 +397,153 @@ def compare_with_embree(dsm: str | None) -> None:
         "TerrAInav | without pyramid | Embree's tree | Embree | march |"
     )
     print("| --- " * 16 + "|")
-    for agl in HEIGHTS_M:
-        embree("hills", agl, *hills(agl))
-        if dsm:
-            embree("surface", agl, *of_file(dsm))
+    for name, one in scenes(dsm):
+        print(f"{name} | " + " | ".join(one.row()) + " |", flush=True)
+
+
+class Picture(NamedTuple):
+    """Grey levels and depths in metres, (pixels,) each; NaN where there is no ground."""
+
+    grey: np.ndarray
+    depth_m: np.ndarray
+
+
+class Pictures:
+    """The same picture by TerrAInav, by OpenGL, and by Embree and OpenCV."""
+
+    def __init__(self, one: Comparison) -> None:
+        import moderngl
+
+        self.one = one
+        rows, columns = one.ground.heights_m.shape
+        self.texels = min(TEXELS, TEXTURE_PX // max(rows, columns))
+        size = columns * self.texels, rows * self.texels
+        self.image = smooth_noise(size)
+        self.relief, self.embree = Kept(one.surface, one.cell_m, anew=False), one.built()
+        self.gl = moderngl.create_standalone_context(backend="egl")
+        self.gl.enable(moderngl.DEPTH_TEST)
+        program = self.gl.program(vertex_shader=VERTEX_SHADER, fragment_shader=FRAGMENT_SHADER)
+        program["projection"].write(self.projection().T.astype(np.float32).tobytes())
+        program["cells"] = columns, rows
+        texture = self.gl.texture(size, 1, self.image.tobytes(), alignment=1)
+        texture.repeat_x = texture.repeat_y = False
+        texture.use()
+        cells = np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), axis=-1).reshape(-1, 2)
+        mesh = np.concatenate([one.vertices, cells], axis=1).astype(np.float32)
+        self.mesh = self.gl.vertex_array(
+            program,
+            [(self.gl.buffer(mesh.tobytes()), "3f 2f", "metres", "cell")],
+            self.gl.buffer(one.triangles.astype(np.int32).tobytes()),
+        )
+        attachments = [self.gl.texture(SIZE, 4, dtype="f4"), self.gl.texture(SIZE, 1, dtype="f1")]
+        self.frame = self.gl.framebuffer(attachments, self.gl.depth_renderbuffer(SIZE))
+        self.frame.use()
+
+    def projection(self) -> np.ndarray:
+        """Matrix (4, 4) from metres to clip space; rows of the image from the top."""
+        across, down = (2.0 * self.one.focal_px / side for side in SIZE)
+        right, top, axis = self.one.axes
+        depth = self.one.vertices @ axis
+        near = max(0.5 * float(depth[depth > 0.0].min()), 1.0)
+        far = 1.01 * float(depth.max())
+        scale = (far + near) / (far - near)
+        shift = -2.0 * far * near / (far - near)
+        rows = [*right * across, 0.0], [*-top * down, 0.0], [*axis * scale, shift], [*axis, 0.0]
+        return np.array(rows)
+
+    def own(self) -> Picture:
+        """TerrAInav's."""
+        seen = self.one.traced(self.relief).sighting
+        column, row = self.one.surface.position(seen.lat_deg.ravel(), seen.lon_deg.ravel())
+        there = np.isfinite(column)
+        grey = np.full(len(column), np.nan)
+        at = ((part[there] + 0.5) * self.texels for part in (column, row))
+        grey[there] = np.rint(sample(self.image[..., np.newaxis], *at, "bilinear")[:, 0])
+        return Picture(grey, seen.depth_m.ravel())
+
+    def drawn(self) -> Picture:
+        """OpenGL's."""
+        self.frame.clear()
+        self.mesh.render()
+        place = np.frombuffer(self.frame.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)
+        grey = np.frombuffer(self.frame.read(components=1, attachment=1, alignment=1), np.uint8)
+        there = place[:, 3] > 0.0
+        depth = place[:, :3].astype(np.float64) @ self.one.axes[2]
+        return Picture(np.where(there, grey, np.nan), np.where(there, depth, np.nan))
+
+    def remapped(self) -> Picture:
+        """Embree's first hits, looked up by OpenCV."""
+        import cv2
+
+        rays = self.one.rays.astype(np.float32)
+        hits = self.embree.run(np.zeros_like(rays), rays, output=True)
+        which = hits["primID"]
+        there = which >= 0
+        # Cells are two triangles: the first corner, and what u and v add to it.
+        cell, second = which // 2, which % 2
+        row, column = np.divmod(cell, self.one.ground.heights_m.shape[1] - 1)
+        u, v = hits["u"], hits["v"]
+        x = (column + np.where(second, 1.0 - u, v) + 0.5) * self.texels - 0.5
+        y = (row + np.where(second, u + v, u) + 0.5) * self.texels - 0.5
+        x, y = (np.where(there, part, -1.0).astype(np.float32).reshape(SIZE[::-1]) for part in (x, y))
+        grey = cv2.remap(self.image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        depth = np.where(there, hits["tfar"].astype(np.float64), np.nan)
+        return Picture(np.where(there, grey.ravel(), np.nan), depth)
+
+    def row(self) -> str:
+        """Cells of a table."""
+        own = self.own()
+        cells = [f"{100.0 * np.isfinite(own.depth_m).mean():.0f} %"]
+        cells += [f"{1e3 * timed(draw):.0f} ms" for draw in (self.own, self.remapped, self.drawn)]
+        for peer in (self.remapped(), self.drawn()):
+            cells += self.compared(own, peer)
+        self.gl.release()
+        return " | ".join(cells)
+
+    def compared(self, own: Picture, peer: Picture) -> list[str]:
+        """Share of points beyond the tolerance, holes of one picture alone, and differences of grey levels."""
+        one, t, t_peer = self.one, own.depth_m, peer.depth_m
+        rays = one.rays.astype(np.float32)
+        hits = self.embree.run(np.zeros_like(rays), rays, output=True)
+        both = np.isfinite(t) & np.isfinite(t_peer) & (hits["primID"] >= 0)
+        if not both.any():
+            return ["–"] * 4
+        length = np.linalg.norm(one.rays, axis=1)
+        allowed = one.allowed_m(one.traced(self.relief).sighting, hits, t, t_peer, length, both)
+        beyond = np.abs(t - t_peer)[both] * length[both] > allowed
+        grey = np.abs(own.grey[both] - peer.grey[both])
+        holes = np.count_nonzero(np.isfinite(t) ^ np.isfinite(t_peer))
+        return [
+            f"{100.0 * beyond.mean():.3f} %",
+            str(holes),
+            f"{100.0 * (grey > 1.0).mean():.2f} %",
+            f"{np.percentile(grey, 99):.0f}",
+        ]
+
+
+def smooth_noise(size: tuple[int, int]) -> np.ndarray:
+    """Grey levels of noise without detail finer than some pixels."""
+    import cv2
+
+    noise = cv2.GaussianBlur(np.random.default_rng(7).normal(size=size[::-1]), (0, 0), 3.0)
+    return np.clip(128.0 + 45.0 * noise / noise.std(), 0.0, 255.0).astype(np.uint8)
+
+
+def compare_pictures(dsm: str | None) -> None:
+    """Print a table."""
+    missing = [name for name in ("moderngl", "embreex", "cv2") if importlib.util.find_spec(name) is None]
+    if missing:
+        print(f"pictures: skipped, {', '.join(missing)} not installed (pip install moderngl opencv-python-headless)")
+        return
+    print(f"TerrAInav with {'numba' if uses_numba() else 'numpy'}")
+    print(
+        "| ground | height | tilt | see it | TerrAInav | Embree + remap | OpenGL | "
+        + " | ".join(f"{peer}: beyond | holes | other levels | 99 %" for peer in ("Embree", "OpenGL"))
+        + " |"
+    )
+    print("| --- " * 15 + "|")
+    for name, one in scenes(dsm):
+        print(f"{name} | {Pictures(one).row()} |", flush=True)
 
 
 def noise(path: Path, dsm: str, ground: Ground) -> None:
@@ -478,17 +670,23 @@ def compare_with_colmap(dsm: str | None, keep: Path | None) -> None:
         )
 
 
+COMPARED: dict[str, Callable[[argparse.Namespace], None]] = {
+    "embree": lambda asked: compare_with_embree(asked.dsm),
+    "pictures": lambda asked: compare_pictures(asked.dsm),
+    "colmap": lambda asked: compare_with_colmap(asked.dsm, asked.keep),
+}
+
+
 def main() -> None:
-    """Compare with both."""
+    """Compare with all, or one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--dsm", help="a surface in a projected CRS in metres")
-    parser.add_argument("--only", choices=("embree", "colmap"), help="one of the peers")
+    parser.add_argument("--only", choices=COMPARED, help="one of the comparisons")
     parser.add_argument("--keep", type=Path, help="folder to leave COLMAP's images and points in")
     asked = parser.parse_args()
-    if asked.only != "colmap":
-        compare_with_embree(asked.dsm)
-    if asked.only != "embree":
-        compare_with_colmap(asked.dsm, asked.keep)
+    for name, compare in COMPARED.items():
+        if asked.only in (None, name):
+            compare(asked)
 
 
 if __name__ == "__main__":
