@@ -3,39 +3,52 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from functools import cache
+from importlib.metadata import version
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, TypeVar
 
+from .errors import Message
 from .text.plain import error_text
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Environment variable: 0 not to use numba.
 FAST = "TERRAINAV_FAST"
 
 
 @cache
-def numba_problem() -> str:
-    """Why compiled code is not used; empty where it is."""
+def numba_problem() -> Message | None:
+    """Why compiled code is not used; None where it is."""
     if os.environ.get(FAST) == "0":
-        return f"{FAST} is 0"
+        return Message("{0} is 0 in the environment", FAST)
     if find_spec("numba") is None:
-        return "numba is not installed"
+        return Message("numba is not installed")
     try:
         from numba.core.registry import cpu_target
 
         # Imports what compiling imports, which may fail where numba itself does not: two halves of cffi, say.
         cpu_target.typing_context.refresh()
     except Exception as error:  # noqa: BLE001  (each release of numba refuses newer ones of numpy, in its own way)
-        return f"numba cannot be used: {error_text(error)}"
-    return ""
+        return Message("numba cannot be used: {0}", error_text(error))
+    return None
 
 
 def uses_numba() -> bool:
     """Whether compiled code is used: numba is installed, fits numpy and is not switched off."""
-    return not numba_problem()
+    return numba_problem() is None
 
 
-def compiled(function: Any) -> Any:
+def code_in_use() -> Message:
+    """The code that makes pictures over relief, and how to get faster code."""
+    problem = numba_problem()
+    if problem is None:
+        return Message("numba {0}", version("numba"))
+    return Message("numpy ({0}); several times as fast with numba, from pip or the package python3-numba", problem)
+
+
+def compiled(function: Function) -> Function:
     """Decorator: compile a function of a module, when it is first called.
 
     The machine code is kept beside the module, or in the user's cache. A function made at run time would be compiled
@@ -43,8 +56,11 @@ def compiled(function: Any) -> Any:
     """
     import numba
 
+    # Without counts of references, which inner loops would spend most of their time on: no kernel makes an array.
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        made: Function = numba.njit(cache=True, **options)(function)
     except RuntimeError:
         # Neither folder can be written.
-        return numba.njit(nogil=True, error_model="numpy")(function)
+        made = numba.njit(**options)(function)
+    return made

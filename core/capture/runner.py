@@ -92,6 +92,11 @@ def capture(
         if count is not None and count < 1:
             raise InvalidInput("{0} {1}: must be 1 or more", count, what)
     root = store_path(folder)
+    if not plan.relief.is_level:
+        from ..geodesy.raytracing.tracing import compile_code
+
+        # Before time counts, by which the rest is estimated.
+        compile_code()
     reporter = Reporter(listener)
     with ExitStack() as opened:
         # Before images are made, waiting for an object store can be cancelled at once.

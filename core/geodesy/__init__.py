@@ -19,5 +19,6 @@ In reading order:
 - `rectangles`: the largest rectangles inside the ground that cameras see
 - `accuracy`: error bounds of each method, in closed form
 - `view`: camera frames, and the source pixels that each part is made of
+- `covered`: the tiles under samples, compiled
 - `raytracing`: rays over relief, and the camera frames made with them
 """

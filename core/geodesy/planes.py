@@ -172,9 +172,13 @@ class ProjectedPlane:
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
         """Metres of ground per unit of u and of v, at positions (any shape)."""
-        inverse = np.linalg.inv(self._slopes(lat_deg, lon_deg))
-        per_unit = np.sqrt(np.sum(inverse * inverse, axis=-2))
-        return per_unit[..., 0] * self.width, per_unit[..., 1] * self.height
+        slopes = self._slopes(lat_deg, lon_deg)
+        # Lengths of the columns of the inverse.
+        area = np.abs(slopes[..., 0, 0] * slopes[..., 1, 1] - slopes[..., 0, 1] * slopes[..., 1, 0])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            per_x = np.hypot(slopes[..., 1, 1], slopes[..., 1, 0]) / area
+            per_y = np.hypot(slopes[..., 0, 1], slopes[..., 0, 0]) / area
+        return per_x * self.width, per_y * self.height
 
     def bend(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Curvature in the plane of straight lines on the ground, relative to the Earth's, at positions (any shape).

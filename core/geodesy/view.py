@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Flags, Floats, NDArray, Numbers
+from ..compiling import uses_numba
 from ..errors import InvalidInput
 from ..limits import MAX_IMAGE_TILES
 from .accuracy import ImageGeometry, grazing, mesh_noise_px
@@ -18,10 +19,10 @@ from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import MERCATOR, PixelGrid, Plane
 
 #: Largest size of source pixels in the image, px; the smallest is half of it, as zooms are rounded to the nearest.
-_NEAREST = 2.0**0.5
+NEAREST_PX = 2.0**0.5
 #: Binary logarithm of the most samples along an axis that are averaged to a pixel of slanted ground; ground that needs
 #: more has a lower zoom.
-_MOST_POWER = 3
+MOST_POWER = 3
 #: Pixels that any kernel reaches to either side of a sample (3), and one for the mesh's error.
 KERNEL_REACH_PX = 4
 #: Rays traced at a time.
@@ -123,18 +124,14 @@ class View:
                 du, v, _ = self.rays.map_points(x, y)
                 yield Samples(patches.zoom, row, column, du, v)
 
+    @property
+    def _parts(self) -> list[Patches | Samples]:
+        return [*self.patches, *self.samples]
+
     def extents(self) -> Iterator[tuple[int, Floats, Floats, Floats, Floats]]:
         """Yield for each group its zoom, and the least and greatest du and v of each cell or pixel."""
-        for part in self.patches:
-            yield part.zoom, part.du.min(axis=1), part.du.max(axis=1), part.v.min(axis=1), part.v.max(axis=1)
-        for sample in self.samples:
-            yield (
-                sample.zoom,
-                sample.du.min(axis=1),
-                sample.du.max(axis=1),
-                sample.v.min(axis=1),
-                sample.v.max(axis=1),
-            )
+        for part in self._parts:
+            yield part.zoom, *_extent(part)
 
     def tile_keys(self, lon_deg: Floats, moved_u: Floats, moved_v: Floats) -> Numbers:
         """Keys of all tiles that cameras see, each once, with wrapped columns.
@@ -230,18 +227,42 @@ class View:
         """Zoom, column (not wrapped) and row of every tile that a camera at this longitude sees."""
         found: set[tuple[int, int, int]] = set()
         u = float(self.grid.meridian_u(np.asarray(lon_deg)))
-        for zoom, west, east, north, south in self.extents():
-            first_x, last_x, first_y, last_y = self._tile_spans(zoom, u, west, east, north, south)
-            if not len(first_x):
-                continue
-            # Many pixels have equal spans: number the spans and take each once.
-            corner = int(first_x.min()), int(first_y.min())
-            parts = (first_x - corner[0], first_y - corner[1], last_x - first_x, last_y - first_y)
-            sizes = [int(part.max()) + 1 for part in parts]
-            for x, y, wide, high in zip(*np.unravel_index(_distinct(parts, sizes), sizes)):
-                x0, y0 = corner[0] + int(x), corner[1] + int(y)
-                found.update((zoom, x0 + i, y0 + j) for i in range(int(wide) + 1) for j in range(int(high) + 1))
+        for part in self._parts:
+            found.update((part.zoom, x, y) for x, y in self._part_tiles(part, u))
         return sorted(found)
+
+    def _part_tiles(self, part: Patches | Samples, u: float) -> Iterator[tuple[int, int]]:
+        """Columns and rows of the tiles under cells or pixels, for a camera at ``u``; some more than once."""
+        if not len(part.du):
+            return
+        extent = (np.array([end]) for end in (part.du.min(), part.du.max(), part.v.min(), part.v.max()))
+        left, right, top, bottom = (int(end[0]) for end in self._tile_spans(part.zoom, u, *extent))
+        # Few pixels may lie far apart.
+        if uses_numba() and (right - left) * (bottom - top) <= 1 << 22:
+            from .covered import mark_tiles
+
+            covered = np.zeros((bottom - top + 1, right - left + 1), bool)
+            world = float(self.grid.world_px(part.zoom))
+            mark_tiles(part.du, part.v, u, world, KERNEL_REACH_PX, self.grid.tile_px, left, top, covered)
+            for y, x in np.argwhere(covered).tolist():
+                yield left + x, top + y
+            return
+        spans = self._tile_spans(part.zoom, u, *_extent(part))
+        # Many pixels have equal spans: number the spans and take each once.
+        first_x, last_x, first_y, last_y = spans
+        parts = (first_x - left, first_y - top, last_x - first_x, last_y - first_y)
+        sizes = [int(one.max()) + 1 for one in parts]
+        for x, y, wide, high in np.stack(np.unravel_index(_distinct(parts, sizes), sizes)).T.tolist():
+            for column in range(left + x, left + x + wide + 1):
+                for row in range(top + y, top + y + high + 1):
+                    yield column, row
+
+
+def _extent(part: Patches | Samples) -> tuple[Floats, Floats, Floats, Floats]:
+    """Least and greatest du and v of each cell or pixel."""
+    if part.du.shape[1] == 1:
+        return part.du[:, 0], part.du[:, 0], part.v[:, 0], part.v[:, 0]
+    return part.du.min(axis=1), part.du.max(axis=1), part.v.min(axis=1), part.v.max(axis=1)
 
 
 def _distinct(parts: tuple[Numbers, ...], sizes: list[int]) -> Numbers:
@@ -302,13 +323,13 @@ def pixel_detail(per_x: Floats, per_y: Floats, grid: PixelGrid, zooms: tuple[int
     """
     world = float(grid.world_px(0))
     short, long_ = np.minimum(per_x, per_y), np.maximum(per_x, per_y)
-    finest = np.maximum(np.maximum(short, long_ / (1 << _MOST_POWER)) * world, np.finfo(float).tiny)
+    finest = np.maximum(np.maximum(short, long_ / (1 << MOST_POWER)) * world, np.finfo(float).tiny)
     # `frexp` splits a number into a share in [1/2, 1) and a power of two.
-    zoom = np.minimum(np.maximum(np.frexp(_NEAREST / finest)[1] - 1, zooms[0]), zooms[1])
+    zoom = np.minimum(np.maximum(np.frexp(NEAREST_PX / finest)[1] - 1, zooms[0]), zooms[1])
     samples = []
     for per in (per_x, per_y):
-        share, power = np.frexp(np.ldexp(per * (world / _NEAREST), zoom))
-        powers = np.clip(power - (share == 0.5), 0, _MOST_POWER).astype(np.int64)
+        share, power = np.frexp(np.ldexp(per * (world / NEAREST_PX), zoom))
+        powers = np.clip(power - (share == 0.5), 0, MOST_POWER).astype(np.int64)
         samples.append(np.left_shift(1, powers))
     return Detail(zoom.astype(np.int64), *samples)
 

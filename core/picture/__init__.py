@@ -6,6 +6,7 @@ In reading order:
 - `map_frame`: map frames, assembled on the source's pixel grid
 - `camera_frame`: camera frames, resampled from tiles
 - `resampling`: values between an image's pixels
+- `taps`: bilinear values, compiled
 - `heights`: opens the heights of a mission
 - `products`: depth, ground points, normals and faces of every pixel
 - `optics`: the camera of a picture: focal length, principal point, time

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import PixelValues
 from ..bands import RGB, Bands
+from ..compiling import uses_numba
 from ..errors import Message
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Part, Window, tile_parts
@@ -20,18 +21,24 @@ from .map_frame import assemble, capture_window
 
 
 class Cost(NamedTuple):
-    """Seconds on one core of all footprints of a plan and of one picture, without fetching or encoding."""
+    """Seconds on one core of all footprints of a plan and of one picture, without fetching or encoding.
+
+    ``relief_by`` is what follows rays over relief, numba or numpy; empty over level ground.
+    """
 
     footprints_s: float
     picture_s: float
+    relief_by: str = ""
 
     def text(self, images: int) -> Message:
         """Text for users."""
+        by = Message("timed here, over relief with {0}", self.relief_by) if self.relief_by else Message("timed here")
         return Message(
-            "footprints {0}, images {1} each, {2} of one core in all (timed here)",
+            "footprints {0}, images {1} each, {2} of one core in all ({3})",
             _time_text(self.footprints_s),
             _time_text(self.picture_s),
             _time_text(self.picture_s * images),
+            by,
         )
 
 
@@ -58,13 +65,15 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     view, lon = plan.views.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
     blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling
-    views_s = 0.0
+    views_s, relief_by = 0.0, ""
     if not plan.relief.is_level:
         # Over relief, captures share no view.
         start = time.thread_time()
         plan.views.view(index)
         views_s = time.thread_time() - start
-    return Cost(footprints_s, views_s + _processor_s(lambda: render(view, lon, parts, blank, resampling, bands)))
+        relief_by = "numba" if uses_numba() else "numpy"
+    render_s = _processor_s(lambda: render(view, lon, parts, blank, resampling, bands))
+    return Cost(footprints_s, views_s + render_s, relief_by)
 
 
 def _blank(parts: list[Part], bands: Bands) -> dict[Window, PixelValues]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 from ..arrays import Floats, NDArray, PixelValues
+from ..compiling import uses_numba
 
 #: Arrays of float32, which is enough for 8-bit images, or of float64.
 Weights = NDArray[Any]
@@ -49,7 +50,7 @@ KERNELS: dict[str, tuple[Callable[[Floats], Floats], float]] = {
 
 def _padding(channels: int, dtype: Any) -> int:
     """Number of channels to add, so that numpy copies pixels in chunks of 4 bytes, several times as fast as of 3."""
-    return 1 if dtype == np.uint8 and channels == 3 else 0
+    return 1 if dtype == np.uint8 and channels == 3 and not uses_numba() else 0
 
 
 def blank_image(height: int, width: int, channels: int, dtype: Any) -> PixelValues:
@@ -93,6 +94,11 @@ class PackedImage:
         taps = math.ceil(2.0 * reach)
         kind: Any = np.float32 if self._pixels.dtype == np.uint8 else np.float64
         values = np.empty((len(x_px), self._channels), kind)
+        if kernel == "bilinear" and uses_numba():
+            from .taps import interpolate
+
+            interpolate(self._pixels.reshape(self._height, self._width, -1), x_px, y_px, np.empty(8, kind), values)
+            return values
         # The data of 16,384 samples fits a processor's cache.
         for start in range(0, len(x_px), 1 << 14):
             part = slice(start, start + (1 << 14))

@@ -4233,6 +4233,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Images over relief by</source>
+        <translation>Imágenes sobre el relieve con</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Keys and authentication</source>
         <translation>Claves y autenticación</translation>
     </message>
@@ -7967,6 +7972,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/writers.py"/>
         <source>description of an image in {0} bytes: a JPEG has room for {1}</source>
         <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/compiling.py"/>
+        <source>numba cannot be used: {0}</source>
+        <translation>numba no se puede usar: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/compiling.py"/>
+        <source>numba is not installed</source>
+        <translation>numba no está instalado</translation>
+    </message>
+    <message>
+        <location filename="../../core/compiling.py"/>
+        <source>numba {0}</source>
+        <translation>numba {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/compiling.py"/>
+        <source>numpy ({0}); several times as fast with numba, from pip or the package python3-numba</source>
+        <translation>numpy ({0}); varias veces más rápido con numba, de pip o del paquete python3-numba</translation>
+    </message>
+    <message>
+        <location filename="../../core/compiling.py"/>
+        <source>{0} is 0 in the environment</source>
+        <translation>{0} es 0 en el entorno</translation>
     </message>
     <message>
         <location filename="../../core/dataset/cells.py"/>
@@ -13791,8 +13821,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/picture/cost.py"/>
-        <source>footprints {0}, images {1} each, {2} of one core in all (timed here)</source>
-        <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total (medido aquí)</translation>
+        <source>footprints {0}, images {1} each, {2} of one core in all ({3})</source>
+        <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total ({3})</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/cost.py"/>
+        <source>timed here</source>
+        <translation>medido aquí</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/cost.py"/>
+        <source>timed here, over relief with {0}</source>
+        <translation>medido aquí, sobre el relieve con {0}</translation>
     </message>
     <message>
         <location filename="../../core/picture/map_frame.py"/>

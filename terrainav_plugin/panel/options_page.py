@@ -24,6 +24,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ...core.compiling import code_in_use
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.estimate import size_text
 from ..help import add_help_button
@@ -163,6 +164,9 @@ class OptionsPage(QgsOptionsPageWidget):
         tip = tr("Images of the synthetic landscape that are shown as background")
         place = str(self._settings.profile)
         self._folder(form, tr("Folder for backgrounds"), "backgrounds_folder", place, tip)
+        code = wrapped_label("relief_code")
+        code.setText(translate(code_in_use()))
+        form.addRow(tr("Images over relief by"), code)
         return box
 
     def _cache(self) -> QGroupBox:

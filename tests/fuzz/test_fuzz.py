@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import pytest
+from terrainav.core.geodesy.raytracing.tracing import compile_code
 
 from tests.fuzz.support import all_targets
+
+
+@pytest.fixture(scope="module", autouse=True)
+def compiled():
+    """The time to compile code is not that of the example that first uses it."""
+    compile_code()
 
 
 @pytest.mark.parametrize("target", list(all_targets()), ids=lambda target: target.name)

@@ -6,5 +6,7 @@ In reading order:
 - `pyramid`: greatest values of a grid's cells in ever larger blocks
 - `kernels`: rays followed one by one, compiled by numba
 - `surface`: heights on a grid, and the first hit of each ray
+- `sampling`: samples of an image's pixels, compiled
+- `seen`: the hits of an image on one surface, and the samples of its pixels
 - `tracing`: the rays of an image, the ground at its pixels, and its camera frame
 """

@@ -37,7 +37,7 @@ class Pyramid(NamedTuple):
                 np.maximum(even[::2, ::2], even[::2, 1::2]), np.maximum(even[1::2, ::2], even[1::2, 1::2])
             )
         first = np.cumsum([0, *(len(part) for part in parts[:-1])])
-        return cls(np.concatenate(parts), first, *np.array(shapes, np.int64).T)
+        return cls(np.concatenate(parts), first, *np.array(shapes, np.int64).T.copy())
 
     @property
     def levels(self) -> int:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -73,9 +73,16 @@ class PixelRays(NamedTuple):
             across, down = np.meshgrid(x, y)
             values = paths.coefficients(self.directions(across.ravel(), down.ravel()))[degree - 1]
             grid = values.reshape(-1, degree + 1, degree + 1)
-            inverse_x, inverse_y = (np.linalg.inv(np.vander(at, increasing=True)) for at in (x, y))
+            inverse_x, inverse_y = (_inverse_powers(side, degree) for side in (self.width, self.height))
             found.append(inverse_y @ grid @ inverse_x.T)
         return found
+
+
+@cache
+def _inverse_powers(side: int, degree: int) -> Floats:
+    """Matrix that makes polynomials from their values at ``degree + 1`` points from 0 to a side."""
+    inverse: Floats = np.linalg.inv(np.vander(np.linspace(0.0, side, degree + 1), increasing=True))
+    return inverse
 
 
 def _on_grid(forms: list[Floats], x_px: Floats, y_px: Floats) -> Floats:
@@ -169,12 +176,18 @@ class Surface:
         return first, second
 
     @cached_property
+    def grid_heights_m(self) -> Floats:
+        """Heights as `kernels` take them."""
+        return np.ascontiguousarray(self.heights_m, np.float64)
+
+    @cached_property
     def _grids(self) -> tuple[Floats, Pyramid, Rules]:
         """What `kernels` need of the surface."""
         from .kernels import Rules
 
         rules = Rules(self.lowest_m, _TOUCHING_M, _SPEEDING, _SLOWEST, _MOST_STEPS)
-        return np.ascontiguousarray(self.heights_m, np.float64), self._tops, rules
+        tops = self._tops._replace(flat=self._tops.flat.astype(np.float64, copy=False))
+        return self.grid_heights_m, tops, rules
 
     def heights(self, column: Floats, row: Floats) -> Floats:
         """Heights at columns and rows (n,); NaN without ground."""
@@ -355,31 +368,29 @@ class Surface:
             t, larger = np.where(may_hit, clear, np.inf).reshape(middle.shape[2:]), side
             if np.isinf(t).all():
                 return Hits(*(np.full(after.shape, np.nan) for _ in range(3)))
+        close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         if uses_numba():
-            return self._compiled_pixels(paths.start, forms, rays, after, t, farthest)
+            from . import kernels
+
+            place = self.places(*paths.start[:2, np.newaxis])
+            cell = float(self.grid.ground_m_per_px(*place, self.zoom)[0])
+            # A chord from t to u is off by at most half the second derivative times (√u - √t)², per t: a tenth of the
+            # tolerance, a third of it along each axis.
+            off_per_t = 0.1 / 3.0 * close / np.array([cell, cell, 1.0])
+            bend = _bends(np.abs(corners).max(axis=(2, 3)), farthest)
+            with np.errstate(divide="ignore"):
+                longest = float(np.sqrt(2.0 * off_per_t / bend).min())
+            degree = len(forms)
+            padded = np.stack(
+                [np.pad(form, [(0, 0), *2 * [(0, degree - power)]]) for power, form in enumerate(forms, 1)]
+            )
+            found = np.full((3, *after.shape), np.nan)
+            scratch = np.empty(padded.shape[:3]), np.empty(padded.shape[:2]), np.empty((0, 2))
+            kernels.image_hits(*self._grids, paths.start, padded, longest, after, t, side, farthest, *scratch, found)
+            return Hits(*found)
         falls = self._falling(paths.start, middle.reshape(flat), spread.reshape(pairs), t.ravel(), farthest)
         falling = [one.reshape(t.shape) for one in falls]
         return self._pixels(paths.start, forms, rays, (after, t, *falling), farthest, tolerance_px)
-
-    def _compiled_pixels(
-        self, start: Floats, forms: list[Floats], rays: PixelRays, after: Floats, t: Floats, farthest: float
-    ) -> Hits:
-        """First hits of the pixels of bundles that hit nothing before t, each searched cell by cell."""
-        side = _BUNDLES_PX[-1]
-        found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
-        x_px = np.arange(rays.width) + 0.5
-        for top in range(0, rays.height, _STRIPE_PX):
-            rows = slice(top, min(top + _STRIPE_PX, rays.height))
-            first = t[top // side : -(-rows.stop // side)]
-            if not np.isfinite(first).any():
-                continue
-            coefficients = _on_grid(forms, x_px, np.arange(rows.start, rows.stop) + 0.5)
-            begin = np.maximum(_finer(first, coefficients.shape[2:], side), after[rows]).ravel()
-            coefficients = coefficients.reshape(len(forms), 3, -1)
-            hits = self.search_cells(start, coefficients, begin, np.full(len(begin), farthest))
-            for whole, part in zip(found, hits):
-                whole[rows] = part.reshape(-1, rays.width)
-        return found
 
     def _falling(
         self, start: Floats, middle: Floats, spread: Floats, after: Floats, farthest: float
@@ -550,19 +561,21 @@ class Surface:
         if uses_numba():
             from . import kernels
 
-            nothing = np.empty((0, 2, 1))
-            return cast(
-                "tuple[Floats, Flags]",
-                kernels.clear(
-                    *self._grids,
-                    _columns(start),
-                    coefficients,
-                    nothing if spread is None else spread,
-                    np.asarray(after, np.float64),
-                    farthest,
-                    least_level,
-                ),
+            spreads = np.empty((0, 2, 1)) if spread is None else spread
+            after = np.asarray(after, np.float64)
+            t_found, may_hit = after.copy(), np.zeros(len(after), bool)
+            kernels.clear(
+                *self._grids,
+                _columns(start),
+                np.ascontiguousarray(coefficients),
+                spreads,
+                after,
+                farthest,
+                least_level,
+                t_found,
+                may_hit,
             )
+            return t_found, may_hit
         tops = self._tops
         t_found, may_hit = np.array(after, np.float64), np.zeros(len(after), bool)
         index = np.flatnonzero(after <= farthest)
@@ -637,7 +650,12 @@ class Surface:
         if uses_numba():
             from . import kernels
 
-            return Hits(*kernels.search_cells(*self._grids, _columns(start), coefficients, after, farthest))
+            hits = np.full((3, len(after)), np.nan)
+            nothing = np.empty((0, 2))
+            kernels.search_cells(
+                *self._grids, _columns(start), np.ascontiguousarray(coefficients), after, farthest, nothing, hits
+            )
+            return Hits(*hits)
         n = len(after)
         found = Hits(*(np.full(n, np.nan) for _ in range(3)))
         rows, columns = self.cells
@@ -739,7 +757,7 @@ def _take_starts(start: Floats, which: NDArray[Any]) -> Floats:
 
 def _columns(start: Floats) -> Floats:
     """Starts of rays as columns, (c, n), or (c, 1) where they are the same."""
-    return start if start.ndim == 2 else start[:, np.newaxis]
+    return np.ascontiguousarray(start if start.ndim == 2 else start[:, np.newaxis])
 
 
 def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -750,6 +768,14 @@ def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
 def _bulge(coefficients: Floats) -> Floats | float:
     """Largest drop of heights within a step below both its ends, per squared step: half the second derivative."""
     return np.abs(coefficients[1, 2]) if len(coefficients) > 1 else 0.0
+
+
+def _bends(coefficients: Floats, end: float) -> Floats:
+    """Bounds of the second derivatives of polynomials from 0 to ``end``, from bounds (degree, n) of coefficients."""
+    total: Floats = np.zeros(coefficients.shape[1])
+    for power in range(len(coefficients), 1, -1):
+        total = total * end + power * (power - 1) * coefficients[power - 1]
+    return total
 
 
 def _edges(length: int, side: int) -> Floats:

@@ -9,15 +9,16 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval2d, polyvander2d
 
 from ...arrays import Flags, Floats, Numbers
+from ...compiling import uses_numba
 from ..accuracy import ImageGeometry
 from ..camera import Poses
 from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace
 from ..mercator import PixelGrid, wrap_lon_deg
-from ..view import ImageRays, Samples, View, detail_groups, pixel_detail, sample_offsets
+from ..view import ImageRays, View
 from .paths import Paths
+from .seen import STEEP, Seen
 from .surface import Hits, PixelRays, Surface
 
 #: Most cells of a surface; ground farther away is another surface, whose cells are twice as large.
@@ -30,8 +31,6 @@ _BULGE = 1.03
 _MARGIN = 1.01
 #: Least number by which to divide.
 _LEAST = 1e-12
-#: Slope, metres per metre, above which faces cannot be seen from above: no map shows their colours.
-STEEP = 2.0
 
 
 class ElevationModel(Protocol):
@@ -186,10 +185,10 @@ class Tracing:
         return (low + high) / 2.0
 
     @cached_property
-    def _seen(self) -> list[_Seen]:
+    def _seen(self) -> list[Seen]:
         """Hits on surfaces from near to far; on each, of the pixels that hit no nearer surface."""
         rays, (lat, lon) = self.rays, self.place
-        found: list[_Seen] = []
+        found: list[Seen] = []
         unmet, after = np.ones((rays.height, rays.width), bool), np.zeros((rays.height, rays.width))
         for surface, begin_m in self._surfaces():
             if not np.isfinite(surface.heights_m).any():
@@ -204,7 +203,7 @@ class Tracing:
             if begin_m > 0.0:
                 self._begin_below(surface, paths, after, hits)
             unmet &= np.isnan(hits.t)
-            found.append(_Seen(surface, hits, paths.forms[0][:2, :2]))
+            found.append(Seen(surface, hits, paths.forms[0][:2, :2]))
             if not unmet.any():
                 break
         return found
@@ -296,14 +295,17 @@ class Tracing:
     @cached_property
     def sky(self) -> Flags:
         """Whether rays of pixels miss both the Earth at its lowest height and the relief, (height, width)."""
-        lat, _ = self.place
-        x, y = np.meshgrid(np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5)
-        rays = self.rays.directions(x.ravel(), y.ravel())
-        disc, half = clearance(
-            np.array(lat), np.array(self.height_m - self.lowest_m), rays, WGS84.raised(self.lowest_m)
-        )
-        missed = ((disc < 0.0) | (half >= 0.0)).reshape(x.shape)
-        return np.asarray(missed & np.isnan(self.depth_m))
+        sky = np.isnan(self.depth_m)
+        if sky.any():
+            row, column = np.nonzero(sky)
+            disc, half = clearance(
+                np.array(self.place[0]),
+                np.array(self.height_m - self.lowest_m),
+                self.rays.directions(column + 0.5, row + 0.5),
+                WGS84.raised(self.lowest_m),
+            )
+            sky[row, column] = (disc < 0.0) | (half >= 0.0)
+        return sky
 
     @cached_property
     def depth_m(self) -> Floats:
@@ -350,7 +352,7 @@ class Tracing:
 
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
         """Map the image to a source's pixels; positions count from the camera's meridian."""
-        found = [self._sampled(one, grid, zooms) for one in self._seen]
+        found = [one.samples(self.rays, self.place[1], grid, zooms) for one in self._seen]
         samples = [part for parts, _ in found for part in parts]
         unmapped = ~self.sky
         for part in samples:
@@ -367,168 +369,19 @@ class Tracing:
             facade_share=sum(faces for _, faces in found) / (self.rays.width * self.rays.height),
         )
 
-    def _sampled(self, one: _Seen, grid: PixelGrid, zooms: tuple[int, int]) -> tuple[list[Samples], int]:
-        """Samples of the pixels that see a surface, and the number of them that see steep faces."""
-        row, column = np.nonzero(np.isfinite(one.hits.t))
-        if not len(row):
-            return [], 0
-        at_column, at_row, t = (values[row, column] for values in (one.hits.column, one.hits.row, one.hits.t))
-        slope_east, slope_north = one.slopes(at_column, at_row)
-        steep = np.hypot(slope_east, slope_north) > STEEP
-        faces = int(np.count_nonzero(steep))
-        ray_east, ray_north, ray_up = rays = self.rays.directions(column + 0.5, row + 0.5).T
-        # Intersect the ground's tangent plane, n·p = const, with the rays of neighbouring pixels; rays that are nearly
-        # parallel to it count as steeper.
-        facing = np.minimum(ray_up - slope_east * ray_east - slope_north * ray_north, -0.02 * np.abs(ray_up) - _LEAST)
-        steps: list[tuple[Floats, Floats]] = []
-        for per in (self.rays.per_x, self.rays.per_y):
-            ahead = (per[2] - slope_east * per[0] - slope_north * per[1]) / facing
-            ahead[steep] = 0.0
-            steps.append((t * (per[0] - ahead * rays[0]), t * (per[1] - ahead * rays[1])))
-        if faces:
-            at_column[steep], at_row[steep] = one.face_edges(at_column[steep], at_row[steep])
-        if one.surface.has_holes:
-            # Pixels whose samples reach beyond the end of the model have no picture.
-            whole = one.has_ground_around(at_column, at_row, steps)
-            steps = [(east[whole], north[whole]) for east, north in steps]
-            row, column = row[whole], column[whole]
-            at_column, at_row = at_column[whole], at_row[whole]
-            if not len(row):
-                return [], faces
-        to_plane = _fit_plane(one.surface, grid, self.place[1], at_column, at_row)
-        du, v = to_plane(at_column, at_row)
-        turn = to_plane.slopes(at_column, at_row) @ one.per_metre
-        spans = [
-            (turn[0, 0] * east + turn[0, 1] * north, turn[1, 0] * east + turn[1, 1] * north) for east, north in steps
-        ]
-        per_x, per_y = (np.sqrt(across * across + down * down) for across, down in spans)
-        found = []
-        for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
-            off_x, off_y = sample_offsets(samples_x, samples_y)
-            sub_du, sub_v = (
-                place[at, np.newaxis] + spans[0][axis][at, np.newaxis] * off_x + spans[1][axis][at, np.newaxis] * off_y
-                for axis, place in enumerate((du, v))
-            )
-            found.append(Samples(zoom, row[at], column[at], sub_du, sub_v))
-        return found, faces
 
+def compile_code() -> None:
+    """Compile what follows rays and samples pixels, where numba is used.
 
-class _Seen(NamedTuple):
-    """Hits of an image on one surface.
-
-    ``per_metre`` (2, 2) are columns and rows of the surface per metre eastward and northward.
+    Takes some seconds once on a computer, and half a second in each process.
     """
-
-    surface: Surface
-    hits: Hits
-    per_metre: Floats
-
-    def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
-        """Slopes of the surface eastward and northward, metres per metre, at columns and rows (n,)."""
-        across, down = self.surface.slopes(column, row)
-        per = self.per_metre
-        return across * per[0, 0] + down * per[1, 0], across * per[0, 1] + down * per[1, 1]
-
-    def has_ground_around(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Flags:
-        """Whether points (n,) have ground all around, within the samples of their pixels; ``steps`` are in metres."""
-        ways = [self.per_metre @ np.stack(step) for step in steps]
-        # At the coarsest zoom, samples lie up to two pixels to either side.
-        wide, high = (2.0 * (np.abs(ways[0][axis]) + np.abs(ways[1][axis])) for axis in (0, 1))
-        rows, columns = self.surface.cells
-        has_ground = np.ones(len(column), bool)
-        for across, down in ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)):
-            # Points beyond the surface count as its edge, which has no ground where the model ends.
-            x, y = np.clip(column + across * wide, 0.0, columns), np.clip(row + down * high, 0.0, rows)
-            has_ground &= np.isfinite(self.surface.heights(x, y))
-        return has_ground
-
-    def face_edges(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
-        """Upper or lower ends of the steep faces at points (n,), whichever is nearer in height."""
-        height = self.surface.heights(column, row)
-        above, below = (self.follow_faces(column, row, sign) for sign in (1.0, -1.0))
-        with np.errstate(invalid="ignore"):
-            to_above, to_below = (np.abs(self.surface.heights(*end) - height) for end in (above, below))
-        upper = to_above <= to_below
-        return np.where(upper, above[0], below[0]), np.where(upper, above[1], below[1])
-
-    def follow_faces(self, column: Floats, row: Floats, sign: float) -> tuple[Floats, Floats]:
-        """Ends of the steep faces at points (n,), uphill for a sign of 1 and downhill for -1."""
-        surface = self.surface
-        across, down = surface.slopes(column, row)
-        length = np.maximum(np.hypot(across, down), _LEAST)
-        x, y = column.copy(), row.copy()
-        moving = np.ones(len(x), bool)
-        # Faces reach at most six cells to either side.
-        for _ in range(2 * 6):
-            new_x = np.where(moving, x + sign * 0.5 * across / length, x)
-            new_y = np.where(moving, y + sign * 0.5 * down / length, y)
-            x, y = np.clip(new_x, 0.0, surface.cells[1]), np.clip(new_y, 0.0, surface.cells[0])
-            with np.errstate(invalid="ignore"):
-                moving &= np.hypot(*self.slopes(x, y)) > STEEP
-            if not moving.any():
-                break
-        return x, y
-
-
-class _Polynomials:
-    """World fractions of another plane, as polynomials in a surface's columns and rows."""
-
-    def __init__(self, middle: Floats, half: Floats, factors: Floats) -> None:
-        self._middle, self._half, self._factors = middle, half, factors
-
-    def __call__(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
-        """World fractions at columns and rows (n,)."""
-        x, y = ((at - m) / h for at, m, h in zip((column, row), self._middle, self._half))
-        return _value(x, y, self._factors[0]), _value(x, y, self._factors[1])
-
-    def slopes(self, column: Floats, row: Floats) -> Floats:
-        """Derivatives (2, 2) of the fractions by column and row, at the mean of points (n,)."""
-        x, y = np.array(np.mean(column)), np.array(np.mean(row))
-        found: Floats = np.array(
-            [
-                [self(x + step_x, y + step_y)[axis] - self(x - step_x, y - step_y)[axis]
-                 for step_x, step_y in ((0.5, 0.0), (0.0, 0.5))]
-                for axis in (0, 1)
-            ]
-        )  # fmt: skip
-        return found
-
-
-def _value(x: Floats, y: Floats, factors: Floats) -> Floats:
-    """Values of a polynomial with coefficients (n, n), by powers of x and of y."""
-    values: Floats = polyval2d(x, y, factors)  # type: ignore[no-untyped-call, unused-ignore]
-    return values
-
-
-def _fit_plane(surface: Surface, grid: PixelGrid, lon_deg: float, column: Floats, row: Floats) -> _Polynomials:
-    """Fit polynomials from columns and rows of a surface, over the extent of points (n,), to world fractions of a grid.
-
-    On the map, fractions count from the meridian of ``lon_deg``.
-    """
-    lows = np.array([column.min(), row.min()]) - 1.0
-    highs = np.array([column.max(), row.max()]) + 1.0
-    middle, half = (lows + highs) / 2.0, (highs - lows) / 2.0
-
-    def exact(x: Floats, y: Floats) -> Floats:
-        lat, lon = surface.places(middle[0] + half[0] * x, middle[1] + half[1] * y)
-        lon = lon_deg + wrap_lon_deg(lon - lon_deg)
-        u, v = grid.plane.forward(lat, lon)
-        return np.stack([u - float(grid.meridian_u(np.asarray(lon_deg))), v])
-
-    # Chebyshev nodes along each side, enough for the highest degree, 5.
-    nodes = np.cos(np.pi * (np.arange(9) + 0.5) / 9)
-    x, y = (at.ravel() for at in np.meshgrid(nodes, nodes))
-    between = (nodes[1:] + nodes[:-1]) / 2.0
-    check_x, check_y = (at.ravel() for at in np.meshgrid(between, between))
-    wanted, checked = exact(x, y), exact(check_x, check_y)
-    good, good_check = np.isfinite(wanted).all(axis=0), np.isfinite(checked).all(axis=0)
-    # 0.02 px of the finest zoom.
-    allowed = 0.02 / grid.world_px(grid.native_zoom)
-    for degree in (1, 2, 3, 5):
-        system = polyvander2d(x, y, [degree, degree])[good]  # type: ignore[no-untyped-call, unused-ignore]
-        factors = np.linalg.lstsq(system, wanted[:, good].T, rcond=None)[0].T.reshape(2, degree + 1, degree + 1)
-        found = _Polynomials(middle, half, factors)
-        off = np.stack([_value(check_x, check_y, part) for part in factors]) - checked
-        if float(np.abs(off[:, good_check]).max(initial=0.0)) <= allowed:
-            break
-    return found
+    if not uses_numba():
+        return
+    grid, zoom = PixelGrid(), 18
+    surface = Surface(grid, zoom, 0, grid.world_px(zoom) // 2, np.zeros((4, 4)))
+    (lat,), (lon,) = surface.places(np.array([1.5]), np.array([1.5]))
+    down = PixelRays(np.array([-0.05, 0.05, -1.0]), np.array([0.01, 0.0, 0.0]), np.array([0.0, -0.01, 0.0]), 10, 10)
+    paths, farthest, _ = surface.paths(lat, lon, 10.0, down, 0.1)
+    hits = surface.image_hits(paths, down, np.zeros((10, 10)), farthest, 0.1)
+    samples, _ = Seen(surface, hits, paths.forms[0][:2, :2]).samples(down, lon, grid, (0, zoom))
+    View(10, 10, grid, (), tuple(samples), None, None, 0.0).tiles(lon)
