@@ -4,6 +4,7 @@
     python benchmarks/relief.py --dsm dsm.tif         # over a surface of your own, too
     python benchmarks/relief.py --scenes 10000        # rays of random scenes beside a march through space, in PROJ
     python benchmarks/relief.py --cliffs 10000        # images of random scenes with cliffs, in six systems
+    python benchmarks/relief.py --images              # whole images a second, with numpy and with numba; with --dsm too
     python benchmarks/relief.py --pictures docs/images  # makes the page's pictures; with --dsm both
 
 A march goes along each ray in steps of half a cell until it is below the surface, and halves the last one ten times: it
@@ -16,15 +17,19 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from functools import partial
+from io import BytesIO
 from pathlib import Path
+from unittest.mock import patch
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 from PIL import Image, ImageDraw
+from terrainav.core import compiling
 from terrainav.core.elevation.layered import open_relief
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
@@ -35,6 +40,7 @@ from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.camera_frame import parts_of_tiles
 from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.products import sighting
 from terrainav.core.picture.shot import draw, make_shot, picture_parts, wall_colours
@@ -205,6 +211,72 @@ def shot(source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: 
     return picture, sighting(made, 0, made.frames.largest_px)
 
 
+def hills_file(folder: Path) -> str:
+    """Write the hills as a raster."""
+    import rasterio
+    from rasterio.transform import from_origin
+
+    surface, path = Hills().surface_, folder / "hills.tif"
+    cell = 2.0 * np.pi * 6378137.0 / surface.grid.world_px(surface.zoom)
+    west, north = (at * cell - np.pi * 6378137.0 for at in (surface.left_px, -surface.top_px))
+    north += 2.0 * np.pi * 6378137.0
+    made = {"height": 512, "width": 512, "count": 1, "dtype": "float32", "crs": "EPSG:3857"}
+    with rasterio.open(path, "w", driver="GTiff", transform=from_origin(west, north, cell, cell), **made) as file:
+        file.write(surface.heights_m.astype(np.float32), 1)
+    return str(path)
+
+
+def whole_image(elevation: tuple[str, ...], tilt: float, at: tuple[float, float]) -> Callable[[], object]:
+    """Work of one capture in memory: find its tiles, draw it, encode it as JPEG. Tiles are grey."""
+    area = Points(((*at, 120.0),))
+    mission = Mission(
+        area, 120.0, CAMERA, source="world", elevation=elevation, tilt_deg=tilt, yaw_deg=30.0, upsample=True
+    )
+    opened = open_source("world")
+    made = plan(mission, opened.grid, mission_heights(mission))
+    walls = wall_colours(made, opened, "satellite")
+    grey: dict[tuple[int, int], np.ndarray] = {}
+
+    def work() -> None:
+        found = make_shot(made, 0)
+        parts = (
+            picture_parts(made, opened, 0) if not hasattr(found, "tiles") else parts_of_tiles(made.grid, found.tiles)
+        )
+        sizes = {part.window: (part.window.height_px, part.window.width_px) for part in parts}
+        pixels = {one: grey.setdefault(size, np.full((*size, 3), 127, np.uint8)) for one, size in sizes.items()}
+        picture = draw(found, parts, pixels, walls=walls).pixels[..., :3]
+        Image.fromarray(picture).save(BytesIO(), "JPEG", quality=JPEG_QUALITY)
+
+    return work
+
+
+def images(dsm: str | None) -> None:
+    """Print whole images a second over level ground and relief, with numpy and with numba in turns."""
+    with tempfile.TemporaryDirectory() as folder:
+        grounds: list[tuple[str, tuple[str, ...], tuple[float, float]]] = [
+            ("level", (), TOWN),
+            ("hills", (hills_file(Path(folder)),), (45.0, 7.0)),
+            ("world", ("world",), TOWN),
+        ]
+        if dsm:
+            grounds.append(("surface", (dsm,), (38.8105, -77.0526)))
+        print("| ground | tilt | with numpy | with numba | ratio |")
+        print("| --- | --- | --- | --- | --- |")
+        for name, elevation, at in grounds:
+            for tilt in (0.0, 60.0, 85.0):
+                work = whole_image(elevation, tilt, at)
+                taken, problem = {"numpy": np.inf, "numba": np.inf}, compiling.numba_problem
+                work()
+                for _ in range(REPEATS):
+                    for code in taken:
+                        with patch.object(
+                            compiling, "numba_problem", problem if code == "numba" else lambda: "unwanted"
+                        ):
+                            taken[code] = min(taken[code], timed(work, 1))
+                slow, fast = taken.values()
+                print(f"| {name} | {tilt:g}° | {1 / slow:.1f} | {1 / fast:.1f} | {slow / fast:.1f} |", flush=True)
+
+
 def side_by_side(path: Path, pictures: list[tuple[str, np.ndarray]]) -> None:
     """Write pictures beside each other, each with its title."""
     width = sum(picture.shape[1] for _, picture in pictures) + 8 * (len(pictures) - 1)
@@ -265,6 +337,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--dsm", help="a surface in a projected CRS")
     parser.add_argument("--pictures", type=Path, help="folder to make the page's images in")
+    parser.add_argument("--images", action="store_true", help="measure whole images")
     parser.add_argument("--scenes", type=int, help="random scenes to look at")
     parser.add_argument("--cliffs", type=int, help="random scenes with cliffs to look at")
     asked = parser.parse_args()
@@ -273,6 +346,9 @@ def main() -> None:
         return
     if asked.scenes:
         scenes(asked.scenes)
+        return
+    if asked.images:
+        images(asked.dsm)
         return
     if asked.pictures:
         draw_pages(asked.pictures, asked.dsm)

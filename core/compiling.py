@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import cache
-from importlib.metadata import version
 from importlib.util import find_spec
 from typing import Any, TypeVar
 
@@ -44,7 +43,9 @@ def code_in_use() -> Message:
     """The code that makes pictures over relief, and how to get faster code."""
     problem = numba_problem()
     if problem is None:
-        return Message("numba {0}", version("numba"))
+        import numba
+
+        return Message("numba {0}", numba.__version__)
     return Message("numpy ({0}); several times as fast with numba, from pip or the package python3-numba", problem)
 
 
