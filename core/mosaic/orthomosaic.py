@@ -330,14 +330,17 @@ def choose_images(
     for candidate, bound in zip(candidates[order].tolist(), bounds[order].tolist()):
         if bound < best.min():
             break
-        sight = frames.sight(candidate, block, ground)
-        better = sight.inside & ((sight.steepness > best) | ((sight.steepness == best) & (candidate < index)))
+        part = block.inside(*(float(edge[candidate]) for edge in boxes))
+        within = ground.take(part)
+        sight = frames.sight(candidate, block.take(part), within)
+        own, steepest = index[part], best[part]
+        better = sight.inside & ((sight.steepness > steepest) | ((sight.steepness == steepest) & (candidate < own)))
         if images is not None and better.any():
             better = images.shows(candidate, sight.x, sight.y, better)
-        better = frames.visible(candidate, ground, better)
-        for whole, part in ((best, sight.steepness), (found.x, sight.x), (found.y, sight.y)):
-            whole[better] = part[better]
-        index[better] = candidate
+        better = frames.visible(candidate, within, better)
+        for whole, values in ((steepest, sight.steepness), (found.x[part], sight.x), (found.y[part], sight.y)):
+            whole[better] = values[better]
+        own[better] = candidate
     return found
 
 

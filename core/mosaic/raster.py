@@ -14,6 +14,9 @@ from ..geodesy.local import enu_axes, geocentric
 from ..geodesy.mercator import Plane, WebMercator
 from ..geodesy.raytracing.surface import Surface
 
+#: Rows and columns of a block.
+BlockPart = tuple[slice, slice]
+
 
 @dataclass(frozen=True)
 class Raster:
@@ -73,6 +76,16 @@ class PixelBlock(NamedTuple):
     lat_deg: Floats
     lon_deg: Floats
 
+    def inside(self, west: float, south: float, east: float, north: float) -> BlockPart:
+        """Rows and columns whose centres are in a box."""
+        left, right = np.searchsorted(self.x, west), np.searchsorted(self.x, east, "right")
+        top, bottom = np.searchsorted(-self.y, -north), np.searchsorted(-self.y, -south, "right")
+        return slice(int(top), int(bottom)), slice(int(left), int(right))
+
+    def take(self, part: BlockPart) -> PixelBlock:
+        """Some rows and columns."""
+        return PixelBlock(self.x[part[1]], self.y[part[0]], self.lat_deg[part], self.lon_deg[part])
+
 
 class BlockGround(NamedTuple):
     """The ground in a block's pixels, in geocentric metres.
@@ -100,6 +113,10 @@ class BlockGround(NamedTuple):
         lat, lon = block.lat_deg.ravel(), block.lon_deg.ravel()
         heights = surface.heights(*surface.position(lat, lon)).reshape(block.lat_deg.shape)
         return cls(geocentric(block.lat_deg, block.lon_deg, heights), _normals(block), surface)
+
+    def take(self, part: BlockPart) -> BlockGround:
+        """Ground in some rows and columns."""
+        return BlockGround(self.points[part], self.normals[part], self.surface)
 
 
 def places(plane: Plane, x: Floats, y: Floats) -> tuple[Floats, Floats]:
