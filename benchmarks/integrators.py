@@ -39,6 +39,8 @@ _RUNAWAY = 1e30
 _TIMED_STEPS = 256
 #: Interval where a plan has none of its own, s.
 _INTERVAL_S = 10.0
+#: Halvings of the step over which the order is measured.
+_HALVINGS = 3
 #: Error that the table asks for.
 _PER_CENT = 0.01
 _GREY = "#777777"
@@ -307,6 +309,7 @@ def flight_table(flight: Flight) -> TextTable:
                 "not reached" if best is None else f"{best.count:,}",
                 NOTHING if best is None else seconds_text(flight.step * best.count),
                 NOTHING if best is None or best.error is None else number_text(best.error),
+                _order_text(own),
             )
         )
     header = (
@@ -316,11 +319,17 @@ def flight_table(flight: Flight) -> TextTable:
         "steps an exposure",
         "time an exposure then",
         "relative error then",
+        "order",
     )
     return TextTable(header, rows, frozenset({0}))
 
 
-_PER_CENT = 0.01
+def _order_text(own: list[Integrated]) -> str:
+    """Order of convergence: power of the step with which the error falls, in the finest halvings."""
+    errors = [one.error for one in sorted(own, key=lambda one: one.step_s) if one.error]
+    if len(errors) < _HALVINGS + 1:
+        return "exact at any step"
+    return f"{math.log2(errors[_HALVINGS] / errors[0]) / _HALVINGS:.2f}"
 
 
 def integrators_text(flight: Flight) -> str:

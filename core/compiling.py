@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from importlib.util import find_spec
 from typing import Any, TypeVar
@@ -15,6 +17,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Environment variable: 0 not to use numba.
 FAST = "TERRAINAV_FAST"
+_switched_off: ContextVar[bool] = ContextVar("switched_off", default=False)
 
 
 @cache
@@ -36,7 +39,17 @@ def numba_problem() -> Message | None:
 
 def uses_numba() -> bool:
     """Whether compiled code is used: numba is installed, fits numpy and is not switched off."""
-    return numba_problem() is None
+    return numba_problem() is None and not _switched_off.get()
+
+
+@contextmanager
+def without_numba() -> Iterator[None]:
+    """Use numpy within a block, to compare the two."""
+    before = _switched_off.set(True)
+    try:
+        yield
+    finally:
+        _switched_off.reset(before)
 
 
 def code_in_use() -> Message:

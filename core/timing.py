@@ -16,15 +16,21 @@ Clock = Callable[[], float]
 
 
 class Effort(NamedTuple):
-    """Least and greatest number of rounds; after the least, timing stops once each function has run for ``seconds``."""
+    """Least and greatest number of rounds; after the least, timing stops once each function has run for ``seconds``.
+
+    After ``most_s`` in all, timing stops even before the least, but not before the first round has ended.
+    """
 
     least: int
     most: int
     seconds: float
+    most_s: float = math.inf
 
 
 #: Functions of half a second and more run for few rounds, as users wait for the report.
-THOROUGH = Effort(7, 25, 0.25)
+THOROUGH = Effort(7, 25, 0.25, 12.0)
+#: Seed of the order in which functions take turns.
+ORDER_SEED = 1
 #: One run after the warm-up, if the time does not matter.
 QUICK = Effort(1, 1, 0.0)
 
@@ -121,8 +127,11 @@ def timed_together(
             count *= 1 if taken >= least_s else 2
         counts.append(count)
     times: list[list[float]] = [[] for _ in works]
-    spent, rounds, order = 0.0, 0, np.random.Generator(np.random.PCG64(1))
-    while rounds < effort.least or (rounds < effort.most and spent < effort.seconds * len(works)):
+    spent, rounds, order = 0.0, 0, np.random.Generator(np.random.PCG64(ORDER_SEED))
+    enough_s = effort.seconds * len(works)
+    while rounds < 1 or (
+        spent < effort.most_s and (rounds < effort.least or (rounds < effort.most and spent < enough_s))
+    ):
         # Use a random order, so that no function always follows another that fills the processor's cache.
         for index in order.permutation(len(works)).tolist():
             taken = _run(works[index], counts[index], clock)

@@ -106,9 +106,8 @@ def _power_of_ten(value: float, _position: int) -> str:
         return ""
     exponent = math.log10(value)
     # log10 of a power of ten may be off by rounding.
-    if abs(exponent - round(exponent)) > 1e-9:
+    whole = math.floor(exponent + 1e-9)
+    if -3 <= whole <= 3:
         return f"{value:g}"
-    exponent = round(exponent)
-    if -3 <= exponent <= 3:
-        return f"{10.0**exponent:g}"
-    return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    power = "10" + str(whole).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return power if abs(exponent - whole) <= 1e-9 else f"{value / 10.0**whole:.3g} × {power}"

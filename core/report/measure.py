@@ -2,39 +2,31 @@
 
 from __future__ import annotations
 
-import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import Message
-from ..geodesy.accuracy import ImageGeometry, outside_flat_domain
+from ..geodesy.accuracy import outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
 from ..mission.flight.legs import intervals_s, legs
 from ..mission.flight.motion import fly
 from ..mission.flight.wind import Wind
-from ..mission.methods import (
-    COARSEST_MESH_PX,
-    TRACED,
-    Method,
-    camera_frame,
-    choose_pixels,
-    exact_footprint,
-    map_frame,
-    mesh,
-    relief_rays,
-)
+from ..mission.methods import Method, camera_frame, map_frame
 from ..mission.parts import Flight
 from ..mission.plan import Plan
 from ..picture.resampling import KERNELS
-from ..timing import QUICK, THOROUGH, Effort, Seconds, timed, timed_together
+from ..timing import ORDER_SEED, QUICK, THOROUGH, Effort, Seconds, timed, timed_together
 from . import positions
 from .footprints import FOOTPRINTS, footprint_methods
 from .pictures import BY_RAYS, Bench, Encoding, PartCache, Rendering, Resampling, encodings, resampling
+from .pixels import PixelMethod, pixel_methods
 from .positions import floor_px
 from .wind import WindEffect, wind_effect
 
@@ -42,14 +34,33 @@ from .wind import WindEffect, wind_effect
 Progress = Callable[[str], None]
 
 
+class Errors(NamedTuple):
+    """Distribution of errors in px: median, 95 % and greatest, and the quantiles at 0, 1, … 100 %."""
+
+    median: float
+    usual: float
+    most: float
+    quantiles: tuple[float, ...]
+
+    @classmethod
+    def from_values(cls, values: Floats) -> Errors | None:
+        """Distribution of values (n,); None without any."""
+        if not values.size:
+            return None
+        found = tuple(np.quantile(values, np.linspace(0.0, 1.0, 101)).tolist())
+        return cls(found[50], found[95], found[-1], found)
+
+
 @dataclass(frozen=True)
 class Measured:
-    """A method with its greatest error and its run time on captures of a mission.
+    """A method with its errors and its run time on captures of a mission.
 
     Attributes
     ----------
     method : Method
         With its bound; not measured if it is not usable, for the reason in `Method.outside`.
+    error_px : float or None
+        Greatest error.
     seconds : Seconds or None
         For a capture on one core, without fetching and encoding; methods of a stage are timed in the same rounds.
     chosen : bool
@@ -58,6 +69,12 @@ class Measured:
         Size of an image file, for methods that make one.
     floor_px : float
         Error of the reference.
+    errors : Errors or None
+        Distribution of the errors.
+    own_reached_px : float or None
+        Bound that a mesh reaches on the measured captures, which may be far below its tolerance.
+    same_px : tuple of float
+        Other tolerances that give the same positions.
     """
 
     method: Method
@@ -66,11 +83,19 @@ class Measured:
     chosen: bool = False
     size_bytes: int | None = None
     floor_px: float = 0.0
+    errors: Errors | None = None
+    own_reached_px: float | None = None
+    same_px: tuple[float, ...] = ()
+
+    @property
+    def reached_px(self) -> float:
+        """Bound that is reached: the method's, or less."""
+        return self.method.bound_px if self.own_reached_px is None else self.own_reached_px
 
     @property
     def keeps_bound(self) -> bool:
-        """Whether the error is within the bound, up to the error of the reference; true without an error."""
-        return self.error_px is None or self.error_px <= self.method.bound_px + self.floor_px
+        """Whether the error is within the bound reached, up to the error of the reference; true without an error."""
+        return self.error_px is None or self.error_px <= min(self.reached_px, self.method.bound_px) + self.floor_px
 
 
 def baseline(stage: Sequence[Measured]) -> Measured | None:
@@ -85,6 +110,40 @@ class Kernel:
 
     name: str
     seconds: Seconds
+
+
+@dataclass(frozen=True)
+class Pipeline:
+    """All that makes an image file: a method of each stage, and a file format."""
+
+    methods: tuple[Measured, ...]
+    encoding: Encoding
+    seconds: Seconds
+
+    @classmethod
+    def joined(cls, methods: Sequence[Measured], taking: Sequence[Measured], encoding: Encoding) -> Pipeline | None:
+        """Pipeline of methods, whose time is that of some of them and of the format; None if one was not timed."""
+        seconds = encoding.seconds
+        for one in taking:
+            if one.seconds is None:
+                return None
+            seconds = seconds + one.seconds
+        return cls(tuple(methods), encoding, seconds)
+
+    @property
+    def reached_px(self) -> float:
+        """Sum of the bounds reached."""
+        return sum(one.reached_px for one in self.methods)
+
+    @property
+    def error_px(self) -> float:
+        """Sum of the greatest errors."""
+        return sum(one.error_px or 0.0 for one in self.methods)
+
+    @property
+    def chosen(self) -> bool:
+        """Whether the plan uses the methods and the format."""
+        return self.encoding.chosen and all(one.chosen for one in self.methods)
 
 
 @dataclass(frozen=True)
@@ -124,6 +183,10 @@ class Measurement:
         Size of the planned picture, and of the measured one, whose time and bytes are scaled to the planned size.
     parts : int
         Number of fetched parts of the source.
+    seeds : dict of str to int
+        Seeds of all that is random.
+    load : tuple of float
+        Load of the machine, processes of the last minute, before and after; empty where the system does not count them.
     """
 
     map_type: str
@@ -137,6 +200,8 @@ class Measurement:
     planned_px: tuple[int, int]
     timed_px: tuple[int, int]
     parts: int
+    seeds: dict[str, int]
+    load: tuple[float, ...]
 
     @property
     def chosen(self) -> tuple[Measured, ...]:
@@ -145,8 +210,32 @@ class Measurement:
 
     @property
     def error_px(self) -> float:
-        """Sum of the errors of the plan's methods."""
+        """Sum of the greatest errors of the plan's methods."""
         return sum(one.error_px or 0.0 for one in self.chosen)
+
+    @property
+    def reached_px(self) -> float:
+        """Sum of the bounds that the plan's methods reach."""
+        return sum(one.reached_px for one in self.chosen)
+
+    @cached_property
+    def pipelines(self) -> tuple[Pipeline, ...]:
+        """Ways to make an image file, from cheap to exact in the mission's format, then the plan's in other formats."""
+        footprint = next(one for one in self.stages["footprint"] if one.chosen)
+        on_map, camera = (
+            next((one for one in self.stages["image"] if one.method.name == name), None) for name in ("map", "camera")
+        )
+        ways: list[tuple[Measured, ...]] = [] if on_map is None else [(on_map,)]
+        if camera is not None:
+            ways += [(camera, one) for one in self.stages.get("pixels", ())]
+        found = (
+            # The time of pixels is that of the whole camera frame.
+            Pipeline.joined((footprint, *way), (footprint, way[-1]), encoding)
+            for encoding in sorted(self.encodings, key=lambda one: not one.chosen)
+            for way in ways
+            if encoding.chosen or all(one.chosen for one in way)
+        )
+        return tuple(one for one in found if one is not None)
 
     @property
     def keeps_bounds(self) -> bool:
@@ -169,7 +258,7 @@ def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progre
     PartError, SourceError
         No picture can be made from the source.
     """
-    say = progress or (lambda _: None)
+    say, load = progress or (lambda _: None), _load()
     effort = QUICK if quick else THOROUGH
     map_type = plan.mission.imagery.map_types[0]
     say(Message("footprints"))
@@ -185,7 +274,7 @@ def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progre
     say(Message("resampling"))
     greys = resampling(plan, bench.tiles, bench.index) if by_tiles else None
     say(Message("file formats"))
-    files = tuple(encodings(plan, source, bench.index, map_type, bench.own_picture(), effort))
+    files = tuple(encodings(bench, effort))
     wind, effect = plan.mission.wind, None
     if wind is not None and wind.speed_m_per_s > 0.0:
         say(Message("wind"))
@@ -204,7 +293,28 @@ def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progre
         planned_px=bench.planned_px,
         timed_px=bench.size_px,
         parts=len(bench.tiles),
+        seeds={
+            "landscape": plan.mission.imagery.seed,
+            **({"wind": wind.seed} if wind is not None else {}),
+            "order of rounds": ORDER_SEED,
+        },
+        load=(*load, *_load()),
     )
+
+
+def _load() -> tuple[float, ...]:
+    """Load of the machine in the last minute; empty where the system does not count it."""
+    try:
+        return os.getloadavg()[:1]
+    except (AttributeError, OSError):
+        return ()
+
+
+def _measured(
+    method: Method, errors_px: Floats, seconds: Seconds | None, *, chosen: bool, size: int | None = None
+) -> Measured:
+    errors = Errors.from_values(errors_px)
+    return Measured(method, errors.most if errors else None, seconds, chosen, size, errors=errors)
 
 
 def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
@@ -219,11 +329,11 @@ def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
     return tuple(
         Measured(method)
         if method.outside
-        else Measured(
+        else _measured(
             method,
-            positions.footprint_error_px(plan, FOOTPRINTS[method.name]),
+            positions.footprint_errors_px(plan, FOOTPRINTS[method.name]),
             seconds[method.name] * (1.0 / len(few.lat_deg)),
-            method.name == chosen,
+            chosen=method.name == chosen,
         )
         for method in methods
     )
@@ -244,101 +354,32 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
         "" if by_tiles else Message("the source gives images by their centre, not tiles that others can be made from"),
     )
     methods = pixel_methods(plan, scene) if by_tiles else []
-    usable = [one for one in methods if not one.method.outside]
     # Lanczos needs a ray for every pixel.
     kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else "bilinear"
     own_tolerance_px = next((one.tolerance_px for one in methods if one.own), None)
-    meshes = [Rendering(one.tolerance_px, kernel, one.level) for one in usable]
     kernels = [] if own_tolerance_px is None else [Rendering(own_tolerance_px, name) for name in KERNELS]
-    renderings = list(dict.fromkeys([*meshes, *kernels]))
+    renderings = list(dict.fromkeys([*(_rendering(one, kernel) for one in methods), *kernels]))
     frames, map_cost = bench.camera_frames(renderings, map_frame=not on_map.outside)
     costs = dict(zip(renderings, frames))
     pictures = [Measured(on_map)]
     if map_cost is not None:
-        error, is_chosen = positions.map_frame_error_px(plan), choice.method.name == "map"
-        pictures = [Measured(on_map, error, map_cost.seconds, is_chosen, map_cost.size_bytes)]
+        errors_px, chosen = positions.map_frame_errors_px(plan), choice.method.name == "map"
+        pictures = [_measured(on_map, errors_px, map_cost.seconds, chosen=chosen, size=map_cost.size_bytes)]
     if own_tolerance_px is None:
         return (*pictures, Measured(by_camera)), (), ()
     frame = costs[Rendering(own_tolerance_px, plan.mission.accuracy.resampling)]
-    traced = positions.mesh_error_px(plan, 0.0)
-    pictures.append(Measured(by_camera, traced, frame.seconds, choice.method.name == "camera", frame.size_bytes))
-    return (
-        tuple(pictures),
-        tuple(
-            Measured(one.method)
-            if one.method.outside
-            else Measured(
-                one.method,
-                _pixels_error_px(plan, one),
-                costs[Rendering(one.tolerance_px, kernel, one.level)].seconds,
-                one.own and plan.accuracy.pixels is not None,
-                costs[Rendering(one.tolerance_px, kernel, one.level)].size_bytes,
-            )
-            for one in methods
-        ),
-        tuple(Kernel(way.kernel, costs[way].seconds) for way in kernels),
-    )
+    errors_px, chosen = positions.mesh_errors(plan, 0.0).errors_px, choice.method.name == "camera"
+    pictures.append(_measured(by_camera, errors_px, frame.seconds, chosen=chosen, size=frame.size_bytes))
+    pixels = []
+    for one in methods:
+        cost, chosen = costs[_rendering(one, kernel)], one.own and plan.accuracy.pixels is not None
+        measured = _measured(one.method, one.errors_px, cost.seconds, chosen=chosen, size=cost.size_bytes)
+        pixels.append(replace(measured, own_reached_px=one.reached_px, same_px=one.same_px))
+    return tuple(pictures), tuple(pixels), tuple(Kernel(way.kernel, costs[way].seconds) for way in kernels)
 
 
-def _pixels_error_px(plan: Plan, one: PixelMethod) -> float | None:
-    if not plan.relief.is_level:
-        return positions.relief_error_px(plan, None if one.level else one.tolerance_px)
-    # Rays give the camera frame's positions, whose error is counted in that stage.
-    return positions.mesh_error_px(plan, one.tolerance_px) if one.tolerance_px else 0.0
-
-
-class PixelMethod(NamedTuple):
-    """A way to place the pixels of a camera frame.
-
-    Attributes
-    ----------
-    tolerance_px : float
-        Tolerance of the mesh, 0 for rays; over relief, tolerance of the rays.
-    own : bool
-        Whether the plan uses the method.
-    level : bool
-        Whether relief is ignored.
-    """
-
-    method: Method
-    tolerance_px: float
-    own: bool
-    level: bool = False
-
-
-def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
-    """Meshes from coarse to fine, then rays: the method that the plan uses, or would use, and others to compare."""
-    if not plan.relief.is_level:
-        return _relief_methods(plan, scene)
-    others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
-    choice = plan.accuracy.pixels or choose_pixels(plan.mission, scene, others_px)
-    own_px = 0.0 if choice.method.name == TRACED.name else choice.method.bound_px
-    meshes = []
-    for tolerance_px in (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001):
-        name, found = f"mesh, {tolerance_px:g} px", mesh(scene, tolerance_px)
-        if found.bound_px > tolerance_px:
-            # Rounding of the corners to float64 limits how fine a mesh can be.
-            outside = f"no mesh is finer than {found.bound_px:.2g} px here"
-            meshes.append(PixelMethod(Method("pixels", name, math.inf, math.inf, outside), tolerance_px, False))
-        elif tolerance_px != own_px:
-            meshes.append(PixelMethod(replace(found, name=name), tolerance_px, False))
-    if own_px:
-        meshes.append(PixelMethod(choice.method, own_px, True))
-        meshes.sort(key=lambda one: one.tolerance_px, reverse=True)
-    return [*meshes, PixelMethod(TRACED, 0.0, not own_px)]
-
-
-def _relief_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
-    """Level ground, whose error over relief has no bound, and rays over relief from coarse to fine."""
-    own_px = plan.accuracy.mesh_tolerance_px
-    level = Method("pixels", "level ground", math.inf, math.inf)
-    found = [PixelMethod(level, COARSEST_MESH_PX, False, level=True)]
-    for tolerance_px in sorted({own_px, 0.1, 0.001}, reverse=True):
-        method = replace(relief_rays(scene, own_px), bound_px=tolerance_px)
-        if tolerance_px != own_px:
-            method = replace(method, name=f"relief, {tolerance_px:g} px")
-        found.append(PixelMethod(method, tolerance_px, tolerance_px == own_px))
-    return found
+def _rendering(one: PixelMethod, kernel: str) -> Rendering:
+    return Rendering(one.tolerance_px, kernel, one.level, one.compiled)
 
 
 def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Saving]:

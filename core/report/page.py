@@ -12,6 +12,7 @@ from ..mission.plan import Plan
 from ..storage.files import make_folder, write_whole
 from ..text.markup import Content, Markup, document, element, figure, pairs, table
 from . import plots, sentences
+from .conditioning import conditioning
 from .machine import machine, versions
 from .measure import Measurement, Progress, measure
 from .tables import (
@@ -22,12 +23,14 @@ from .tables import (
     encodings_table,
     kernels_table,
     methods_table,
+    pipelines_table,
     savings_table,
 )
 from .wind import WindEffect
 
 PAGE = "index.html"
-WORK_PRECISION, RESAMPLING = "work-precision.png", "resampling.png"
+WORK_PRECISION, DISTRIBUTIONS = "work-precision.png", "errors.png"
+CONDITIONING, RESAMPLING = "conditioning.png", "resampling.png"
 
 
 def write_report(
@@ -80,12 +83,12 @@ def write_report(
 def drawings(plan: Plan, found: Measurement) -> dict[str, bytes]:
     """Draw the diagrams of a measurement; returns PNG by file name."""
     drawn = {
-        WORK_PRECISION: plots.work_precision(
-            found.stages, plan.accuracy.budget_px, found.floor_px, sentences.mission_title(plan)
-        )
+        WORK_PRECISION: plots.work_precision(found, plan.accuracy.budget_px, sentences.mission_title(plan)),
+        DISTRIBUTIONS: plots.distributions(found),
+        CONDITIONING: plots.conditioning(conditioning(plan)),
     }
     if found.resampling is not None:
-        drawn[RESAMPLING] = plots.resampling(found.resampling)
+        drawn[RESAMPLING] = plots.resampling(found, found.resampling)
     return drawn
 
 
@@ -133,10 +136,18 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
     content = [
         figure(
             WORK_PRECISION,
-            "Diagram: error in px against seconds per capture, one line for each stage through its methods",
+            "Diagram: error in px against seconds per capture, a panel for each stage and one for whole images",
             sentences.DIAGRAM,
         ),
         table(*methods_table(found)),
+        figure(
+            DISTRIBUTIONS,
+            "Diagram: share of points against error in px, a panel for each stage",
+            sentences.DISTRIBUTIONS,
+        ),
+        element("h3", "Whole images"),
+        element("p", sentences.PIPELINES),
+        table(*pipelines_table(found)),
     ]
     rejected = plan.accuracy.picture.rejected
     if rejected is not None and not rejected.outside:
@@ -171,6 +182,11 @@ def _conditioning(plan: Plan) -> list[Markup]:
     return [
         element("h3", "Condition number of the scene"),
         element("p", sentences.condition_text(accuracy.condition)),
+        figure(
+            CONDITIONING,
+            "Diagram: condition number against tilt and against height",
+            sentences.CONDITIONING,
+        ),
         element("h3", "Terrain"),
         element("p", sentences.terrain_text(accuracy.terrain_px_per_m, accuracy.relief)),
     ]
@@ -189,9 +205,10 @@ def _greys(plan: Plan, found: Measurement) -> list[Markup]:
             ),
             figure(
                 RESAMPLING,
-                "Diagram: RMS grey levels of error against spatial frequency, one line for each kernel",
-                "Error of each kernel in bands of spatial frequency; the grey area is the detail of the image "
-                "in each band. Where a line meets it, that detail is lost.",
+                "Diagrams: RMS grey levels of error against spatial frequency, and seconds against RMS grey levels",
+                "Left: error of each kernel in bands of spatial frequency; the grey area is the detail of the image "
+                "in each band. Where a line meets it, that detail is lost. Right: kernels and file formats against "
+                "their time.",
             ),
             table(*kernels_table(found.kernels, found.resampling, used)),
         ]

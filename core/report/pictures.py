@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,6 +18,7 @@ from ..arrays import Bytes, Floats
 from ..capture.metadata import Description
 from ..capture.records import image_job
 from ..capture.writers import JPEG_QUALITY, Place, encoded
+from ..compiling import without_numba
 from ..errors import PartError
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.frames import map_windows, plane_runs, quarter_turns
@@ -51,11 +53,14 @@ class Rendering(NamedTuple):
     kernel : str
     level : bool
         Replace relief by level ground at the height below the camera.
+    compiled : bool
+        Follow rays over relief by compiled code where it is installed.
     """
 
     tolerance_px: float
     kernel: str
     level: bool = False
+    compiled: bool = True
 
 
 class FrameCost(NamedTuple):
@@ -162,9 +167,9 @@ class Bench:
         plan = self.plan
         zooms = sampled_zooms(plan.mission, plan.grid)
         if not plan.relief.is_level and not way.level:
-            return replace(plan.views.tracing(self.index, self.size_px), tolerance_px=way.tolerance_px).view(
-                plan.grid, zooms
-            )
+            tracing = replace(plan.views.tracing(self.index, self.size_px), tolerance_px=way.tolerance_px)
+            with nullcontext() if way.compiled else without_numba():
+                return tracing.view(plan.grid, zooms)
         scene = self._scene()
         if way.level:
             scene = level_below(plan, self.index, scene)
@@ -341,15 +346,12 @@ def _spectrum(values: Floats) -> Floats:
     return np.histogram(radius, bins=np.array(BANDS), weights=power)[0]
 
 
-def encodings(plan: Plan, source: Source, index: int, map_type: str, picture: Bytes, effort: Effort) -> list[Encoding]:
-    """Measure error, size and run time of a picture in each file format.
-
-    Parameters
-    ----------
-    picture : array (h, w), (h, w, 3) of uint8
-        Picture of capture ``index``, as written.
-    """
-    place, description = _metadata(plan, source, index, map_type)
+def encodings(bench: Bench, effort: Effort) -> list[Encoding]:
+    """Measure error, size and run time of the picture of a capture in each file format."""
+    plan, picture = bench.plan, bench.own_picture()
+    # Pictures of an output size are written whole.
+    enlarged = 1.0 if plan.mission.output.img_size else bench.enlarged
+    place, description = _metadata(plan, bench.tiles.source, bench.index, bench.tiles.map_type)
     used = plan.mission.output.image_format
     formats: list[tuple[str, bool, Callable[[], bytes]]] = [
         (
@@ -363,7 +365,7 @@ def encodings(plan: Plan, source: Source, index: int, map_type: str, picture: By
         formats.append((name, used == ending, partial(encoded, ending, picture, place, description)))
     timed = timed_together([encode for _, _, encode in formats], effort)
     return [
-        Encoding(name, _loss(picture, data), len(data), seconds, chosen)
+        Encoding(name, _loss(picture, data), round(len(data) * enlarged), seconds * enlarged, chosen)
         for (name, chosen, _), (data, seconds) in zip(formats, timed)
     ]
 

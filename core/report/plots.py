@@ -15,19 +15,26 @@ from ..external.drawing import (
     GREEN,
     ORANGE,
     PURPLE,
+    SKY,
     VERMILION,
     dress,
     logarithmic,
     new_figure,
     png,
 )
+from ..mission.estimate import length_text
+from ..mission.parts import RAYS
 from ..timing import Seconds
-from .measure import Measured
-from .pictures import BANDS, Resampling
+from .conditioning import Conditioning
+from .measure import Measured, Measurement, Pipeline
+from .pictures import BANDS, Encoding, Resampling
+from .pixels import LEVEL
+from .tables import method_name
 
 _GREY = "#777777"
-#: Least error drawn; smaller errors are drawn at the edge.
-_LEAST_PX = 1e-11
+#: Colours of up to seven lines, from coarse to fine methods.
+_LINES = (ORANGE, SKY, GREEN, BLUE, VERMILION, PURPLE, BLACK)
+_DASHES = ("-", "--", "-.")
 
 
 class Look(NamedTuple):
@@ -39,9 +46,9 @@ class Look(NamedTuple):
 
 
 _STAGES = {
-    "footprint": Look(BLUE, "o", "footprint: where the corners are"),
-    "image": Look(VERMILION, "s", "image: map frame or camera frame"),
-    "pixels": Look(GREEN, "^", "camera frame: mesh or rays"),
+    "footprint": Look(BLUE, "o", "Footprint: where the corners are"),
+    "image": Look(VERMILION, "s", "Image: map frame or camera frame"),
+    "pixels": Look(GREEN, "^", "Pixels of a camera frame"),
 }
 _KERNELS = {
     "nearest": Look(ORANGE, "v", "nearest"),
@@ -49,67 +56,216 @@ _KERNELS = {
     "bicubic": Look(GREEN, "s", "bicubic"),
     "lanczos": Look(PURPLE, "D", "Lanczos"),
 }
+_FORMATS = {"JPEG": (ORANGE, "v"), "PNG": (BLUE, "o"), "GeoT": (BLACK, "s")}
 
 
-def work_precision(stages: dict[str, tuple[Measured, ...]], budget_px: float, floor_px: float, title: str) -> bytes:
-    """Draw a work-precision diagram: error against run time, a line for each stage.
+#: Position, text and colour of a marker's label.
+Label = tuple[float, float, str, str]
 
-    Filled markers are measured, whiskers reach to the bounds, and rings mark the chosen methods.
+
+class Mark(NamedTuple):
+    """A marker of a diagram.
+
+    Attributes
+    ----------
+    error_px, median_px, bound_px : float
+        Greatest and median error, and the bound reached.
+    chosen : bool
+        Whether the plan uses it.
+    joined : bool
+        Whether it is joined with others by a line.
     """
-    figure = new_figure(10.0, 6.6)
-    axes = figure.add_subplot()
-    dress(axes, textwrap.fill(title, 85), "error in the image, px", "processor seconds a capture")
-    logarithmic(axes, "xy")
-    least = _left_edge(stages, floor_px)
-    drawn: list[tuple[float, float]] = []
-    lines: list[tuple[str, list[tuple[float, float, Measured]], bool]] = []
-    for stage, methods in stages.items():
+
+    error_px: float
+    median_px: float | None
+    bound_px: float
+    seconds: Seconds
+    label: str
+    chosen: bool
+    look: Look
+    joined: bool = True
+
+
+def work_precision(found: Measurement, budget_px: float, title: str) -> bytes:
+    """Draw work-precision diagrams: error against run time, a panel for each stage and one for whole images."""
+    panels: list[tuple[str, list[Mark]]] = []
+    for stage, methods in found.stages.items():
         look = _STAGES[stage]
-        points = [
-            (max(one.error_px, least), one.seconds.median, one)
+        marks = [
+            Mark(
+                one.error_px,
+                one.errors.median if one.errors else None,
+                one.reached_px,
+                one.seconds,
+                _short_name(one),
+                one.chosen,
+                look,
+            )
             for one in methods
             if one.error_px is not None and one.seconds is not None
         ]
-        if not points:
-            continue
+        panels.append((look.label, marks))
+    whole = [
+        Mark(
+            one.error_px,
+            None,
+            one.reached_px,
+            one.seconds,
+            _pipeline_label(one),
+            one.chosen,
+            _format_look(one.encoding),
+            one.encoding.chosen,
+        )
+        for one in found.pipelines
+    ]
+    panels = [(name, marks) for name, marks in [*panels, ("Whole images, with their files", whole)] if marks]
+    rows, columns = -(-len(panels) // 2), min(len(panels), 2)
+    figure = new_figure(12.5, 1.2 + 4.4 * rows)
+    # The last row is for the legend.
+    grid = figure.add_gridspec(rows + 1, columns, height_ratios=[1.0] * rows + [0.12])
+    figure.suptitle(textwrap.fill(title, 110), fontsize=FONT["title"], x=0.01, ha="left")
+    labels = []
+    for number, (name, marks) in enumerate(panels):
+        axes = figure.add_subplot(grid[number // columns, number % columns])
+        dress(axes, name, "error in the image, px", "processor seconds per capture")
+        logarithmic(axes, "xy")
+        labels.append((axes, _draw_marks(axes, marks, found.floor_px, budget_px)))
+    _draw_legend(figure.add_subplot(grid[rows, :]), whole)
+    _lay_out(figure)
+    for axes, names in labels:
+        _place_labels(axes, names)
+    return png(figure)
+
+
+def _pipeline_label(one: Pipeline) -> str:
+    """Short name of a pipeline's last method; empty for those that another panel or the legend names."""
+    last = one.methods[-1]
+    is_named = one.encoding.chosen and (one.chosen or last.method.name in ("map", RAYS, LEVEL))
+    return _short_name(last) if is_named else ""
+
+
+def _short_name(one: Measured) -> str:
+    return method_name(one).removeprefix("mesh, ").removeprefix("relief, ")
+
+
+def _format_look(one: Encoding) -> Look:
+    colour, marker = next(look for name, look in _FORMATS.items() if one.name.startswith(name))
+    return Look(colour, marker, one.name.split(", lossless")[0].replace(", quality", ""))
+
+
+def _draw_marks(axes: Any, marks: Sequence[Mark], floor_px: float, budget_px: float) -> list[Label]:
+    """Draw the markers of a panel, with whiskers and bounds; return their labels."""
+    above = [max(one.error_px, floor_px) for one in marks if one.error_px > 0.0]
+    left = min(above, default=floor_px)
+    none_px = left / 8.0
+    points = [(max(one.error_px, floor_px) if one.error_px else none_px, one) for one in marks]
+    joined = [(x, one.seconds.median) for x, one in points if one.joined]
+    axes.plot([x for x, _ in joined], [y for _, y in joined], color="#bbbbbb", linewidth=1.2, zorder=1)
+    labels = []
+    for x, one in points:
+        y, colour = one.seconds.median, one.look.colour
+        measured = one.error_px > floor_px
         axes.plot(
-            [x for x, _, _ in points],
-            [y for _, y, _ in points],
-            color=look.colour,
-            marker=look.marker,
+            [x],
+            [y],
+            color=colour,
+            marker=one.look.marker,
             markersize=8,
-            linewidth=1.8,
-            label=look.label,
+            markerfacecolor=colour if measured else "white",
             zorder=3,
         )
-        for x, y, one in points:
-            whisker(axes, x, one.seconds, look.colour)
-            if 0.0 < one.method.bound_px < math.inf:
-                axes.plot([x, one.method.bound_px], [y, y], color=look.colour, linewidth=0.9, alpha=0.7, zorder=2)
-                axes.plot([one.method.bound_px], [y], color=look.colour, marker="|", markersize=10, zorder=2)
-            if one.chosen:
-                axes.plot([x], [y], "o", markersize=17, markerfacecolor="none", markeredgecolor=BLACK, zorder=4)
-        drawn += [(x, y) for x, y, _ in points]
-        lines.append((look.colour, points, stage != "image"))
-    axes.axvline(budget_px, color=BLACK, linestyle="--", linewidth=1.3, zorder=1)
+        whisker(axes, x, one.seconds, colour)
+        if measured:
+            ends = [px for px in (one.median_px, one.bound_px) if px and math.isfinite(px)]
+            axes.plot([x, *ends], [y] * (1 + len(ends)), color=colour, linewidth=1.0, alpha=0.8, zorder=2)
+            if math.isfinite(one.bound_px) and one.bound_px > 0.0:
+                axes.plot([one.bound_px], [y], color=colour, marker="|", markersize=11, zorder=2)
+        if one.chosen:
+            axes.plot([x], [y], "o", markersize=16, markerfacecolor="none", markeredgecolor=BLACK, zorder=4)
+        word = "none added" if one.error_px == 0.0 else f"≤ {floor_px:.1g} px"
+        labels.append((x, y, one.label if measured or not one.label else f"{one.label}: {word}", colour))
+    bounds = [one.bound_px for one in marks if math.isfinite(one.bound_px)]
+    right = max([left, *bounds, *(x for x, _ in points)])
+    near = budget_px <= 1e3 * right
+    if near:
+        axes.axvline(budget_px, color=BLACK, linestyle="--", linewidth=1.2, zorder=1)
+        right = max(right, budget_px)
+    ends = [px for _, one in points for px in (one.median_px,) if px and one.error_px > floor_px]
+    axes.set_xlim(min([*ends, *(x for x, _ in points)]) / 4.0, right * 8.0)
+    times = [one.seconds.median for one in marks]
+    middle = math.sqrt(min(times) * max(times))
+    # At least a decade, so that equal times look equal.
+    wide = max(math.sqrt(max(times) / min(times)) * 2.5, math.sqrt(10.0))
+    axes.set_ylim(middle / wide, middle * wide)
+    _tick(axes.xaxis, axes.get_xlim())
+    _tick(axes.yaxis, axes.get_ylim())
     axes.annotate(
-        f"budget {budget_px:g} px",
-        (budget_px, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(4, -4),
+        f"budget {budget_px:g} px" + ("" if near else " →"),
+        (budget_px, 1.0) if near else (1.0, 1.0),
+        xycoords=("data" if near else "axes fraction", "axes fraction"),
+        xytext=(-4, -2),
         textcoords="offset points",
         va="top",
+        ha="right",
         fontsize=FONT["note"],
-    )
-    bounds = [one.method.bound_px for stage in stages.values() for one in stage if one.error_px is not None]
-    right = max([budget_px, *(bound for bound in bounds if math.isfinite(bound)), *(x for x, _ in drawn)])
-    axes.set_xlim(min([x for x, _ in drawn], default=least) / 6.0, right * 6.0)
-    if drawn:
-        axes.set_ylim(min(y for _, y in drawn) / 5.0, max(y for _, y in drawn) * 12.0)
-    for colour, points, above in lines:
-        _label_points(axes, colour, points, above=above)
-    _draw_legend(axes)
-    return png(figure)
+    ).set_in_layout(False)
+    return labels
+
+
+def _lay_out(figure: Any) -> None:
+    """Lay out a figure once and for all, as labels are placed by where its axes are."""
+    figure.draw_without_rendering()
+    if hasattr(figure, "set_layout_engine"):
+        figure.set_layout_engine("none")
+    else:
+        # matplotlib 3.5
+        figure.set_constrained_layout(False)
+
+
+def _tick(axis: Any, ends: tuple[float, float]) -> None:
+    """Label more than powers of ten on a short logarithmic axis; leave out small ticks on a long one."""
+    ticker = importlib.import_module("matplotlib.ticker")
+    if ends[1] < 100.0 * ends[0]:
+        axis.set_major_locator(ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+    if ends[1] > 1e3 * ends[0]:
+        axis.set_minor_locator(ticker.NullLocator())
+
+
+def _place_labels(axes: Any, labels: Sequence[Label]) -> None:
+    """Label markers of a figure that has been laid out; labels overlap neither markers nor one another."""
+    figure = axes.figure
+    renderer, room = figure.canvas.get_renderer(), axes.get_window_extent()
+    # Boxes that are taken: left, bottom, right, top.
+    point = figure.dpi / 72.0
+    size = 7.0 * point
+    places = [axes.transData.transform((x, y)) for x, y, _, _ in labels]
+    taken = [(x - size, y - size, x + size, y + size) for x, y in places]
+    offsets = [(aside, sign * far) for far in (10, 24, 38, 52, 66) for sign in (1, -1) for aside in (0, far, -far)]
+    for (x, y, text, colour), (at_x, at_y) in zip(labels, places):
+        if not text:
+            continue
+        style = {"textcoords": "offset points", "color": colour, "zorder": 5}
+        note = axes.annotate(text, (x, y), xytext=(0, 0), ha="left", va="bottom", fontsize=FONT["note"], **style)
+        note.set_in_layout(False)
+        extent = note.get_window_extent(renderer)
+        for aside, up in offsets:
+            left = at_x + aside * point - (0.0 if aside > 0 else extent.width if aside < 0 else extent.width / 2.0)
+            bottom = at_y + up * point - (extent.height if up < 0 else 0.0)
+            box = (left, bottom, left + extent.width, bottom + extent.height)
+            inside = room.x0 <= box[0] and box[2] <= room.x1 and room.y0 <= box[1] and box[3] <= room.y1
+            if inside and not any(_overlap(box, other) for other in taken):
+                taken.append(box)
+                note.set_position(((left - at_x) / point, (bottom - at_y) / point))
+                if abs(up) > offsets[0][1]:
+                    leader = {"arrowstyle": "-", "color": colour, "linewidth": 0.6}
+                    axes.annotate("", (x, y), xytext=(aside, up), arrowprops=leader, **style).set_in_layout(False)
+                break
+        else:
+            note.remove()
+
+
+def _overlap(one: Sequence[float], other: Sequence[float]) -> bool:
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
 def whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
@@ -120,78 +276,123 @@ def whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
         axes.plot([x, x], [ends.low, ends.high], color=colour, marker="_", markersize=5, linewidth=1.1, zorder=2)
 
 
-def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> float:
-    """Error at which methods without error are drawn: the least measured error, or the error of the reference."""
-    errors = [one.error_px for stage in stages.values() for one in stage if one.error_px]
-    return max(_LEAST_PX, floor_px, min(errors, default=_LEAST_PX))
-
-
-def _label_points(axes: Any, colour: str, points: Sequence[tuple[float, float, Measured]], *, above: bool) -> None:
-    """Label markers with the names of their methods; close markers share a label."""
-    groups: list[tuple[float, float, list[str]]] = []
-    # Points within 3 % of both axes share a label.
-    wide, high = (0.03 * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
-    for x, y, one in points:
-        name = one.method.name.removeprefix("mesh, ").removeprefix("relief, ")
-        for at_x, at_y, names in groups:
-            if abs(math.log10(x / at_x)) < wide and abs(math.log10(y / at_y)) < high:
-                names.append(name)
-                break
-        else:
-            groups.append((x, y, [name]))
-    for x, y, names in groups:
-        # Label beside the marker if another marker is right above, within four times the distance of shared labels.
-        level = any(abs(math.log10(at / x)) < wide and 0.0 < math.log10(up / y) < 4.0 * high for at, up, _ in groups)
-        axes.annotate(
-            _joined(names),
-            (x, y),
-            xytext=((12, 4) if level else (2, 10)) if above else (0, -13),
-            textcoords="offset points",
-            ha="left" if above else "center",
-            va="bottom" if above else "top",
-            rotation=40 if above and not level else 0,
-            rotation_mode="anchor",
-            fontsize=FONT["note"],
-            color=colour,
-            zorder=5,
-        )
-
-
-def _joined(names: Sequence[str]) -> str:
-    first, last = names[0], names[-1]
-    if len(names) == 1:
-        return first
-    if first.endswith(" px") and last.endswith(" px"):
-        first = first[:-3]
-    return f"{first} {'and' if len(names) == 2 else 'to'} {last}"
-
-
-def _draw_legend(axes: Any) -> None:
+def _draw_legend(axes: Any, whole: Sequence[Mark]) -> None:
     lines, paths = (importlib.import_module(f"matplotlib.{name}") for name in ("lines", "path"))
     upright = paths.Path(((-1, -3), (1, -3), (0, -3), (0, 3), (-1, 3), (1, 3)), (1, 2, 1, 2, 1, 2))
-    handles, _ = axes.get_legend_handles_labels()
     hollow = {"color": "none", "markerfacecolor": "none"}
-    marks: tuple[dict[str, Any], ...] = (
-        {"color": _GREY, "marker": "|", "markersize": 10, "linewidth": 0.9},
-        {**hollow, "marker": upright, "markersize": 9, "markeredgecolor": _GREY},
-        {**hollow, "marker": "o", "markersize": 13, "markeredgecolor": BLACK},
-    )
-    words = ("level whisker: up to its bound", "upright whisker: quartiles of the time", "ring: chosen")
-    handles += [lines.Line2D([], [], label=label, **mark) for mark, label in zip(marks, words)]
-    axes.legend(
-        handles=handles,
-        fontsize=FONT["note"],
-        frameon=False,
-        loc="upper center",
-        ncol=3,
-        bbox_to_anchor=(0.5, -0.11),
-    )
+    marks: list[tuple[str, dict[str, Any]]] = [
+        ("level line: median error to bound reached", {"color": _GREY, "marker": "|", "markersize": 10}),
+        (
+            "upright line: quartiles of the time",
+            {**hollow, "marker": upright, "markersize": 9, "markeredgecolor": _GREY},
+        ),
+        ("ring: used by the plan", {**hollow, "marker": "o", "markersize": 13, "markeredgecolor": BLACK}),
+        ("hollow: at most the reference's error", {**hollow, "marker": "o", "markersize": 8, "markeredgecolor": _GREY}),
+    ]
+    for name, (colour, marker) in _FORMATS.items():
+        if any(one.look.label.startswith(name) for one in whole):
+            word = "GeoTIFF" if name == "GeoT" else name
+            marks.append((f"file: {word}", {"color": "none", "marker": marker, "markerfacecolor": colour}))
+    handles = [lines.Line2D([], [], label=label, **mark) for label, mark in marks]
+    axes.set_axis_off()
+    axes.legend(handles=handles, fontsize=FONT["note"], frameon=False, loc="center", ncol=4)
 
 
-def resampling(found: Resampling) -> bytes:
-    """Draw errors in grey levels against spatial frequency, a line for each kernel, over the picture's detail."""
-    figure = new_figure(10.0, 5.2)
-    axes = figure.add_subplot()
+def distributions(found: Measurement) -> bytes:
+    """Draw the share of points whose error is below a value, a panel for each stage."""
+    panels = [
+        (_STAGES[stage].label, [one for one in methods if one.errors and one.errors.most > found.floor_px])
+        for stage, methods in found.stages.items()
+    ]
+    panels = [(name, methods) for name, methods in panels if methods]
+    figure = new_figure(1.0 + 4.6 * max(len(panels), 1), 5.0)
+    figure.suptitle("Errors of the measured points; dotted: bound reached", fontsize=FONT["title"], x=0.01, ha="left")
+    for number, (name, methods) in enumerate(panels):
+        axes = figure.add_subplot(1, len(panels), number + 1)
+        dress(axes, name, "error in the image, px", "share of points below, %" if number == 0 else "")
+        logarithmic(axes, "x")
+        for index, one in enumerate(methods):
+            quantiles = one.errors.quantiles if one.errors else ()
+            points = [(max(px, found.floor_px), percent) for percent, px in enumerate(quantiles)]
+            colour = _LINES[index % len(_LINES)]
+            axes.plot(
+                [px for px, _ in points],
+                [percent for _, percent in points],
+                color=colour,
+                linestyle=_DASHES[index % len(_DASHES)],
+                linewidth=2.6 if one.chosen else 1.5,
+                label=method_name(one) + (" (used)" if one.chosen else ""),
+            )
+            if math.isfinite(one.reached_px) and one.reached_px > 0.0:
+                axes.axvline(one.reached_px, color=colour, linestyle=":", linewidth=1.2)
+        axes.set_ylim(0.0, 102.0)
+        # The corners of cells have no error; the least third may lie decades below the rest.
+        least = min(one.errors.quantiles[35] for one in methods if one.errors)
+        most = max(*(one.errors.most for one in methods if one.errors), *_finite_bounds(methods))
+        axes.set_xlim(max(least, found.floor_px) / 2.0, most * 2.0)
+        _tick(axes.xaxis, axes.get_xlim())
+        axes.legend(fontsize=FONT["note"], framealpha=0.9, edgecolor="none", loc="best")
+    return png(figure)
+
+
+def _finite_bounds(methods: Sequence[Measured]) -> list[float]:
+    return [0.0, *(one.reached_px for one in methods if math.isfinite(one.reached_px))]
+
+
+def conditioning(found: Conditioning) -> bytes:
+    """Draw the condition number over tilt and over height, with the mission's own curve and place."""
+    figure = new_figure(12.5, 4.8)
+    over_tilt, over_height = figure.subplots(1, 2, sharey=True)
+    dress(over_tilt, "Condition number over tilt", "tilt, degrees off nadir", "condition number")
+    dress(over_height, "Condition number over height", "height above ground, m", "")
+    logarithmic(over_tilt, "y")
+    logarithmic(over_height, "xy")
+    for axes, curves, at in (
+        (over_tilt, found.over_tilt, found.tilt_deg),
+        (over_height, found.over_height, found.height_m),
+    ):
+        for index, curve in enumerate(curves):
+            own = index == 0
+            colour = BLACK if own else (BLUE, ORANGE, GREEN)[(index - 1) % 3]
+            axes.plot(
+                curve.x,
+                curve.condition,
+                color=colour,
+                linestyle="-" if own else _DASHES[index % len(_DASHES)],
+                linewidth=2.4 if own else 1.6,
+                label=(
+                    f"tilt {curve.parameter:.3g}°" if axes is over_height else f"from {length_text(curve.parameter)}"
+                )
+                + (" (this mission)" if own else ""),
+                zorder=3 - index,
+            )
+            known = [(x, y) for x, y in zip(curve.x.tolist(), curve.condition.tolist()) if math.isfinite(y)]
+            if known and len(known) < len(curve.x):
+                axes.plot(*known[-1], color=colour, marker="x", markersize=8, zorder=4)
+        if axes is over_height:
+            _tick(axes.xaxis, axes.get_xlim())
+        axes.axvline(at, color=_GREY, linestyle=":", linewidth=1.4)
+        axes.annotate(
+            "this mission",
+            (at, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(4, -2),
+            textcoords="offset points",
+            va="top",
+            fontsize=FONT["note"],
+            color=_GREY,
+        )
+        handles, labels = axes.get_legend_handles_labels()
+        lines = importlib.import_module("matplotlib.lines")
+        handles.append(lines.Line2D([], [], color=_GREY, marker="x", linestyle="none"))
+        axes.legend(handles, [*labels, "beyond: horizon in the image"], fontsize=FONT["note"], frameon=False)
+    return png(figure)
+
+
+def resampling(measured: Measurement, found: Resampling) -> bytes:
+    """Draw errors in grey levels: by spatial frequency over the picture's detail, and against run time."""
+    figure = new_figure(13.5, 5.4)
+    axes, work = figure.subplots(1, 2, gridspec_kw={"width_ratios": (1.35, 1.0)})
     dress(
         axes,
         f"Resampling between the pixels of zoom {found.zoom}: error by detail",
@@ -213,7 +414,48 @@ def resampling(found: Resampling) -> bytes:
             zorder=3,
         )
     values = [value for one in found.kernels for value in one.by_band if value > 0.0]
-    axes.set_ylim(min(values, default=0.1) / 2.0, max([*found.signal, *values, 1.0]) * 1.6)
+    axes.set_ylim(min(values, default=0.1) / 2.0, max([*found.signal, *values, 1.0]) * 3.0)
     axes.set_xlim(0.0, BANDS[-1])
-    axes.legend(fontsize=FONT["note"], frameon=False, ncol=3)
+    axes.legend(fontsize=FONT["note"], frameon=False, ncol=3, loc="upper center")
+    labels = _draw_grey_levels(work, measured, found)
+    _lay_out(figure)
+    _place_labels(work, labels)
     return png(figure)
+
+
+def _draw_grey_levels(axes: Any, measured: Measurement, found: Resampling) -> list[Label]:
+    """Draw RMS errors in grey levels of kernels and of file formats against their times; return labels."""
+    dress(axes, "Grey levels against time", "RMS error, grey levels of 255", "processor seconds per capture")
+    logarithmic(axes, "y")
+    seconds = {kernel.name: kernel.seconds for kernel in measured.kernels}
+    points = [(one.rms, seconds[one.kernel], _KERNELS[one.kernel]) for one in found.kernels if one.kernel in seconds]
+    axes.plot(
+        [x for x, _, _ in points],
+        [taken.median for _, taken, _ in points],
+        color="#bbbbbb",
+        linewidth=1.2,
+        zorder=1,
+        label="camera frame with a kernel",
+    )
+    files = [(one.rms, one.seconds, _format_look(one)) for one in measured.encodings]
+    labels = []
+    for x, taken, look in [*points, *files]:
+        hollow = look.label not in {one.label for one in _KERNELS.values()}
+        axes.plot(
+            [x],
+            [taken.median],
+            color=look.colour,
+            marker=look.marker,
+            markersize=8,
+            linestyle="none",
+            markerfacecolor="white" if hollow else look.colour,
+            zorder=3,
+        )
+        whisker(axes, x, taken, look.colour)
+        labels.append((x, taken.median, look.label, look.colour))
+    times = [taken.median for _, taken, _ in [*points, *files]]
+    axes.set_ylim(min(times) / 3.0, max(times) * 6.0)
+    axes.set_xlim(-0.3, max(x for x, _, _ in [*points, *files]) * 1.25 + 0.2)
+    axes.plot([], [], color=_GREY, marker="o", linestyle="none", markerfacecolor="white", label="encoding a file")
+    axes.legend(fontsize=FONT["note"], frameon=False, loc="upper right")
+    return labels

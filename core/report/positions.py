@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Optional
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,6 @@ from ..geodesy.mercator import MERCATOR, Plane, wrap_lon_deg
 from ..geodesy.view import Cells, ImageRays, mesh
 from ..mission.plan import Plan
 
-#: Error in px; None if nothing can be compared.
-Error = Optional[float]
 #: Images whose pixels are compared.
 _IMAGES = 3
 #: Rays compared along the longer side of an image.
@@ -52,8 +50,26 @@ def captures(plan: Plan) -> NDArray[np.intp]:
     return spread(len(plan), 400)
 
 
-def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
-    """Greatest error of a method's corners, and of the exact outline where corners miss the Earth.
+class MeshErrors(NamedTuple):
+    """Errors of camera frames that a mesh draws.
+
+    Attributes
+    ----------
+    errors_px : array (n,)
+        Empty if no ground on the map is seen.
+    reached_px : float
+        Greatest bound of a cell, at most the tolerance; 0 if every pixel is traced.
+    cells : bytes
+        Equal for equal meshes.
+    """
+
+    errors_px: Floats
+    reached_px: float
+    cells: bytes
+
+
+def footprint_errors_px(plan: Plan, footprint: Footprint) -> Floats:
+    """Errors (n,) of a method's corners, and of the exact outline where corners miss the Earth.
 
     Longitudes are those of the plan, so that errors include the rounding of degrees.
     """
@@ -61,10 +77,9 @@ def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
     found = footprint(scene.camera, scene.poses, CORNERS, scene.ground)
     x, y = (np.broadcast_to(np.array(CORNERS)[:, axis], found.lat_deg.shape) for axis in (0, 1))
     dlon = found.lon_deg - scene.poses.lon_deg[:, np.newaxis]
-    errors = errors_px(scene, found.lat_deg, dlon, x, y)[found.hit]
-    worst = float(errors.max()) if errors.size else None
+    errors = [errors_px(scene, found.lat_deg, dlon, x, y)[found.hit]]
     if found.hit.all():
-        return worst
+        return errors[0]
     # Outlines are slow: four are measured.
     for index in spread(len(plan), 4).tolist():
         one = capture_scene(plan, np.array([index], np.intp))
@@ -77,9 +92,8 @@ def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
         )
         x, y = ring.image_xy.T[:, np.newaxis]
         inside = np.hypot(x, y) <= np.sqrt(2.0)
-        errors = errors_px(one, ring.lat_deg[np.newaxis], ring.dlon_deg[np.newaxis], x, y)[inside]
-        worst = max(worst or 0.0, float(errors.max(initial=0.0)))
-    return worst
+        errors.append(errors_px(one, ring.lat_deg[np.newaxis], ring.dlon_deg[np.newaxis], x, y)[inside])
+    return np.concatenate([part.ravel() for part in errors])
 
 
 def _attitude(poses: Poses) -> tuple[float, float, float]:
@@ -87,8 +101,8 @@ def _attitude(poses: Poses) -> tuple[float, float, float]:
     return yaw, tilt, roll
 
 
-def map_frame_error_px(plan: Plan) -> Error:
-    """Greatest error inside map frames, at 9 by 9 points, before their edges are rounded to pixels.
+def map_frame_errors_px(plan: Plan) -> Floats:
+    """Errors (n,) inside map frames, at 9 by 9 points, before their edges are rounded to pixels.
 
     Rounding moves the frame but not its content, and the georeference includes it.
     """
@@ -100,24 +114,26 @@ def map_frame_error_px(plan: Plan) -> Error:
     shares = (np.broadcast_to(part, v.shape) for part in (along, down))
     column, row = in_image(quarter_turns(scene.poses, plan.grid.plane), *shares)
     x, y = 2.0 * column - 1.0, 1.0 - 2.0 * row
-    return float(map_errors_px(scene, du, v, x, y, plan.grid.plane).max())
+    return map_errors_px(scene, du, v, x, y, plan.grid.plane).ravel()
 
 
-def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
-    """Greatest error of camera frames drawn by a mesh, or by rays for a tolerance of 0.
+def mesh_errors(plan: Plan, tolerance_px: float) -> MeshErrors:
+    """Errors of camera frames drawn by a mesh, or by rays for a tolerance of 0.
 
-    Pixels outside the cells of a mesh are traced, too. None if no ground on the map is seen.
+    Pixels outside the cells of a mesh are traced, too.
     """
-    found: list[float] = []
+    errors, reached_px, same = [np.empty(0)], 0.0, []
     for index in spread(len(plan), _IMAGES).tolist():
         scene = capture_scene(plan, np.array([index], np.intp))
         rays = ImageRays.from_scene(scene, plan.grid.plane)
         cells = mesh(rays, tolerance_px)
         if len(cells.loose):
-            found += _traced(rays)
+            errors.append(_traced(rays))
         if len(cells.box):
-            found.append(_worst(rays, *_inside(cells)))
-    return max(found, default=None)
+            errors.append(_errors_on_map(rays, *_inside(cells)))
+            reached_px = max(reached_px, float(cells.bound_px.max()))
+        same += [cells.box.tobytes(), b"|", cells.loose.tobytes(), b"|"]
+    return MeshErrors(np.concatenate(errors), reached_px, b"".join(same))
 
 
 def level_below(plan: Plan, index: int, scene: ImageGeometry) -> ImageGeometry:
@@ -127,12 +143,12 @@ def level_below(plan: Plan, index: int, scene: ImageGeometry) -> ImageGeometry:
     return replace(scene, poses=poses, ground=WGS84.raised(ground))
 
 
-def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
-    """Greatest error of pixels over relief: by rays of a tolerance or, for None, on level ground.
+def relief_errors_px(plan: Plan, tolerance_px: float | None) -> Floats:
+    """Errors (n,) of pixels over relief: by rays of a tolerance or, for None, on level ground.
 
     Each pixel's position is raised to the relief and projected back to the image; occlusion is ignored.
     """
-    found: list[float] = []
+    found = [np.empty(0)]
     for index in spread(len(plan), _IMAGES).tolist():
         scene = capture_scene(plan, np.array([index], np.intp))
         across, down = (int(size) for size in scene.one_size_px)
@@ -151,8 +167,8 @@ def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
         over = replace(scene, poses=scene.poses._replace(agl_m=plan.height_m[index : index + 1]), ground=WGS84)
         x, y = 2.0 * x_px / across - 1.0, 1.0 - 2.0 * y_px / down
         one_row = (part[hit][np.newaxis] for part in (lat, dlon, x, y, height))
-        found.append(float(errors_px(over, *one_row).max()))
-    return max(found, default=None)
+        found.append(errors_px(over, *one_row).ravel())
+    return np.concatenate(found)
 
 
 def _level_on_relief(plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats, Floats]:
@@ -167,14 +183,14 @@ def _level_on_relief(plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Float
     return seen.lat_deg, seen.dlon_deg, height
 
 
-def _traced(rays: ImageRays) -> list[float]:
-    """Greatest error of rays through an image, in a list; empty if it sees no ground on the map."""
+def _traced(rays: ImageRays) -> Floats:
+    """Errors (n,) of rays through an image; empty if it sees no ground on the map."""
     across, down = rays.scene.one_size_px
     step = max(across, down) / _RAYS
     x, y = (part.ravel() for part in np.meshgrid(np.arange(0.5, across + 0.5, step), np.arange(0.5, down + 0.5, step)))
     du, v, hit = rays.map_points(x, y)
     hit &= rays.on_map(v)
-    return [_worst(rays, du[hit], v[hit], x[hit], y[hit])] if hit.any() else []
+    return _errors_on_map(rays, du[hit], v[hit], x[hit], y[hit])
 
 
 def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
@@ -203,12 +219,12 @@ def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
     return map_u.ravel(), map_v.ravel(), x.ravel(), y.ravel()
 
 
-def _worst(rays: ImageRays, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -> float:
-    """Greatest error of map positions of image points in px from the upper left corner."""
+def _errors_on_map(rays: ImageRays, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -> Floats:
+    """Errors (n,) of map positions of image points in px from the upper left corner."""
     scene = rays.scene
     x, y = 2.0 * x_px / scene.width_px - 1.0, 1.0 - 2.0 * y_px / scene.height_px
     across, down, right, up = (part[np.newaxis] for part in (du, v, x, y))
-    return float(map_errors_px(scene, across, down, right, up, rays.plane).max())
+    return map_errors_px(scene, across, down, right, up, rays.plane).ravel()
 
 
 def map_frame_problem(plan: Plan) -> str:

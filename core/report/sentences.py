@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 
 from ..imagery.source import Source
 from ..mission.areas.area import Box, Points, Polygon, Polygons
@@ -16,10 +17,25 @@ from .wind import MOVED, TOGETHER, TURNED, Spread, WindEffect
 
 #: Explanation of a work-precision diagram.
 DIAGRAM = (
-    "Each line is a stage, each marker one of its methods; methods further left are more exact, further down cheaper. "
-    "Filled markers are measurements, horizontal whiskers extend to the bound, vertical ones span the quartiles of the "
-    "time, rings mark the chosen methods, and the dashed line is the error budget. Methods without an error are at the "
-    "left edge."
+    "A panel for each stage, and one for whole images with their files. Methods further left are more exact, further "
+    "down cheaper. Markers are the greatest measured errors, level lines reach from the median error to the bound that "
+    "is reached (bar), upright ones span the quartiles of the time, and rings mark what the plan uses. Hollow markers "
+    'at "≤" are no larger than the error of the reference. The dashed line is the error budget.'
+)
+#: Explanation of a diagram of distributions.
+DISTRIBUTIONS = (
+    "Share of the measured points whose error is below a value; dotted lines are the bounds reached. Errors no larger "
+    "than that of the reference are not shown."
+)
+#: Explanation of whole images.
+PIPELINES = (
+    "The footprint, the image with the pixels of its frame, and its file: the mission's format for each method, then "
+    "other formats for the methods that the plan uses."
+)
+#: Explanation of the curves of condition numbers.
+CONDITIONING = (
+    "Condition number of this camera at the mission's highest latitude and greatest roll. Curves end where the horizon "
+    "enters the image."
 )
 #: Explanation of the times.
 TIMES = (
@@ -127,9 +143,11 @@ def verdict(plan: Plan, found: Measurement) -> tuple[bool, str]:
         sums = f"The methods' bounds sum to {px_text(accuracy.bound_px)}, within the {budget}."
     else:
         sums = f"The methods' bounds sum to {px_text(accuracy.bound_px)}, more than the {budget}: that was accepted."
-    error = f"Measured on this mission's captures, their errors sum to {px_text(found.error_px)}"
+    if found.reached_px < 0.95 * accuracy.bound_px:
+        sums += f" What they reach sums to {px_text(found.reached_px)}."
+    error = f"Measured on this mission's captures, their greatest errors sum to {px_text(found.error_px)}"
     broken = [
-        f"{one.method.name} by {px_text(one.error_px)} where {px_text(one.method.bound_px)} were its bound"
+        f"{one.method.name} by {px_text(one.error_px)} where {px_text(one.reached_px)} were its bound"
         for one in found.chosen
         if not one.keeps_bound and one.error_px is not None
     ]
@@ -205,8 +223,8 @@ def how_measured(found: Measurement) -> list[str]:
             f"{px_text(found.floor_px)}; smaller errors are shown as below it."
         ),
         (
-            "Errors are the greatest of captures spread over the mission's rows; pixels are those of the "
-            f"planned image, {width} × {height} px."
+            "Errors are those of points in captures spread over the mission's rows; pixels are those of the "
+            f"planned image, {width} × {height} px. Tolerances that give the same positions are one method."
         ),
         ("Rounding a map frame's edges to whole source pixels is not an error: the image states its exact position."),
         (
@@ -214,9 +232,33 @@ def how_measured(found: Measurement) -> list[str]:
             f"once per row. The source's {found.parts} tiles were fetched beforehand and kept in memory."
         ),
     ]
+    notes += circumstances(found)
     if found.timed_px != found.planned_px:
         wide, high = found.timed_px
         notes.append(f"Images were timed at {wide} × {high} px, and seconds and bytes scaled by the number of pixels.")
+    return notes
+
+
+def circumstances(found: Measurement) -> list[str]:
+    """Scatter of repeated runs, load of the machine, and seeds."""
+    notes = []
+    scatter = [
+        (one.seconds.quartiles.high - one.seconds.quartiles.low) / one.seconds.median
+        for stage in found.stages.values()
+        for one in stage
+        if one.seconds is not None and one.seconds.spread_known
+    ]
+    if scatter:
+        usual, most = (f"{100.0 * share:.2g} %" for share in (statistics.median(scatter), max(scatter)))
+        notes.append(f"Repeated runs scatter by {usual} (quartiles apart, over the median; {most} at most).")
+    if found.load:
+        before, after = found.load
+        notes.append(
+            f"Load of the machine, processes in the last minute: {before:.1f} before, {after:.1f} after. Processor "
+            "times do not count the others, but share caches and memory with them."
+        )
+    seeds = ", ".join(f"{name} {seed}" for name, seed in found.seeds.items())
+    notes.append(f"Seeds: {seeds}. Positions and grey levels are the same in each report, times are not.")
     return notes
 
 

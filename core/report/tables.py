@@ -10,7 +10,7 @@ from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
 from ..storage.files import csv_bytes
 from ..timing import Seconds
-from .measure import Kernel, Measured, Measurement, Saving, baseline
+from .measure import Kernel, Measured, Measurement, Pipeline, Saving, baseline
 from .pictures import BANDS, Encoding, Resampling
 from .wind import WindEffect
 
@@ -117,13 +117,25 @@ def methods_table(measurement: Measurement) -> TextTable:
                     STAGES[stage],
                     method_name(one),
                     "no bound" if one.method.outside else px_text(one.method.bound_px),
+                    NOTHING if one.method.outside else px_text(one.reached_px),
                     _error_text(one, measurement.floor_px),
+                    *_quantile_texts(one, measurement.floor_px),
                     seconds_text(one.seconds),
                     _remark(one, other),
                 )
             )
     return TextTable(
-        ("stage", "method", "bound", "measured error", "time per capture", "time compared"),
+        (
+            "stage",
+            "method",
+            "bound",
+            "bound reached",
+            "greatest error",
+            "95 % below",
+            "half below",
+            "time per capture",
+            "time compared",
+        ),
         rows,
         frozenset(chosen),
     )
@@ -133,9 +145,9 @@ def _remark(one: Measured, other: Measured | None) -> str:
     """Remark on a method: why it is not usable, that it is chosen, or its time compared with ``other``."""
     if one.method.outside:
         return f"not usable here: {one.method.outside}"
-    if one.chosen:
-        return "chosen"
-    return compared_text(one, other)
+    compared = "chosen" if one.chosen else compared_text(one, other)
+    same = f"same positions as for {', '.join(f'{px:g}' for px in one.same_px)} px" if one.same_px else ""
+    return "; ".join(filter(None, (compared, same))) if compared != NOTHING else same or NOTHING
 
 
 def compared_text(one: Measured, other: Measured | None) -> str:
@@ -156,8 +168,50 @@ def _error_text(one: Measured, floor_px: float) -> str:
     if one.error_px == 0.0:
         return "none"
     if one.error_px <= floor_px:
-        return f"below {px_text(floor_px)}"
+        return f"≤ {px_text(floor_px)}"
     return px_text(one.error_px) + ("" if one.keeps_bound else ", above its bound")
+
+
+def _quantile_texts(one: Measured, floor_px: float) -> tuple[str, str]:
+    """Error that 95 % and half of the points stay below."""
+    if one.errors is None:
+        return NOTHING, NOTHING
+    usual, median = (f"≤ {px_text(floor_px)}" if px <= floor_px else px_text(px) for px in one.errors[1::-1])
+    return ("none", "none") if one.errors.most == 0.0 else (usual, median)
+
+
+def pipelines_table(measurement: Measurement) -> TextTable:
+    """Table of ways to make an image file: sums of bounds and errors, and the whole time."""
+    rows = []
+    for one in measurement.pipelines:
+        share = one.encoding.seconds.median / one.seconds.median
+        rows.append(
+            (
+                pipeline_name(one),
+                one.encoding.name,
+                px_text(one.reached_px),
+                px_text(one.error_px),
+                f"{one.encoding.rms:.2f}" if one.encoding.rms else "0",
+                seconds_text(one.seconds),
+                f"{100.0 * share:.0f} %",
+            )
+        )
+    chosen = frozenset(index for index, one in enumerate(measurement.pipelines) if one.chosen)
+    header = (
+        "methods",
+        "file",
+        "bounds reached, sum",
+        "greatest errors, sum",
+        "RMS of the file, grey levels",
+        "time per capture",
+        "of it encoding",
+    )
+    return TextTable(header, rows, chosen)
+
+
+def pipeline_name(one: Pipeline) -> str:
+    """Readable names of the methods that differ between pipelines."""
+    return ", ".join(method_name(method) for method in one.methods[1:])
 
 
 def choices_table(plan: Plan, measurement: Measurement) -> TextTable:
@@ -175,12 +229,14 @@ def choices_table(plan: Plan, measurement: Measurement) -> TextTable:
                 STAGES[method.stage],
                 FRAME_NAMES.get(method.name, method.name),
                 f"{px_text(method.bound_px)}, {metres_text(method.bound_m)} on the ground",
+                NOTHING if one is None else px_text(one.reached_px),
                 NOTHING if one is None else _error_text(one, measurement.floor_px),
                 NOTHING if one is None else seconds_text(one.seconds),
                 why,
             )
         )
-    return TextTable(("stage", "method", "bound", "measured error", "time per capture", "why"), rows)
+    header = ("stage", "method", "bound", "bound reached", "greatest error", "time per capture", "why")
+    return TextTable(header, rows)
 
 
 def savings_table(savings: Sequence[Saving]) -> TextTable:
@@ -300,7 +356,8 @@ def csv_files(measurement: Measurement) -> dict[str, bytes]:
     files = {
         "methods.csv": _csv(
             (
-                f"stage method bound_px bound_m error_px {_timed('seconds_per_capture')} rounds "
+                "stage method bound_px reached_px bound_m error_px usual_px median_px same_px "
+                f"{_timed('seconds_per_capture')} rounds "
                 "compared_with ratio ratio_low ratio_high told_apart picture_bytes chosen outside"
             ).split(),
             [
@@ -308,8 +365,11 @@ def csv_files(measurement: Measurement) -> dict[str, bytes]:
                     one.method.stage,
                     one.method.name,
                     _finite(one.method.bound_px),
+                    _finite(one.reached_px),
                     _finite(one.method.bound_m),
                     one.error_px,
+                    *(one.errors[1::-1] if one.errors else (None, None)),
+                    " ".join(f"{px:g}" for px in one.same_px),
                     *_quartiles(one.seconds),
                     len(one.seconds.rounds) if one.seconds else None,
                     *_compared(one, baseline(stage)),
@@ -319,6 +379,31 @@ def csv_files(measurement: Measurement) -> dict[str, bytes]:
                 )
                 for stage in measurement.stages.values()
                 for one in stage
+            ],
+        ),
+        "errors.csv": _csv(
+            ("stage", "method", "percent_below", "error_px"),
+            [
+                (one.method.stage, one.method.name, percent, px)
+                for stage in measurement.stages.values()
+                for one in stage
+                if one.errors
+                for percent, px in enumerate(one.errors.quantiles)
+            ],
+        ),
+        "pipelines.csv": _csv(
+            f"methods file reached_px error_px rms_grey_levels {_timed('seconds_per_capture')} chosen".split(),
+            [
+                (
+                    pipeline_name(one),
+                    one.encoding.name,
+                    _finite(one.reached_px),
+                    one.error_px,
+                    one.encoding.rms,
+                    *_quartiles(one.seconds),
+                    int(one.chosen),
+                )
+                for one in measurement.pipelines
             ],
         ),
         "left_out.csv": _csv(

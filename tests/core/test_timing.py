@@ -128,6 +128,13 @@ def test_rounds_go_on_until_every_work_has_had_its_seconds():
         assert [len(taken.rounds) for _, taken in found] == [rounds] * 2
 
 
+def test_rounds_end_when_all_works_have_had_their_seconds_together():
+    clock = Clock()
+    for most_s, rounds in ((0.5, 3), (0.05, 1)):
+        found = timed_together([clock.work(0.1)] * 2, Effort(7, 9, 0.25, most_s), clock)
+        assert [len(taken.rounds) for _, taken in found] == [rounds] * 2
+
+
 def test_a_few_rounds_tell_apart_only_where_all_agree():
     def ratio(*ratios):
         return Seconds(ratios).is_distinct(Seconds((1.0,) * len(ratios)))

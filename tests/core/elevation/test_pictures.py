@@ -13,6 +13,7 @@ import pytest
 from osgeo import gdal
 from PIL import Image
 from terrainav.core.capture.runner import capture
+from terrainav.core.compiling import uses_numba, without_numba
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
@@ -27,6 +28,7 @@ from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.products import sighting
 from terrainav.core.picture.shot import Shot, draw, make_shot, picture_parts, wall_colours
 from terrainav.core.report.measure import measure
+from terrainav.core.report.pixels import NUMPY
 from terrainav.core.world import World, WorldSource
 from terrainav.core.world.objects import footprints
 from terrainav.core.world.samples import ScatteredPositions as Places
@@ -541,6 +543,12 @@ def test_the_report_says_what_level_ground_is_off_by_and_that_rays_keep_their_bo
     assert level.error_px == pytest.approx(np.abs(wanted).max(), rel=0.05)
     assert level.error_px > 10.0
     assert [one.chosen for one in rays].count(True) == 1
+    if uses_numba():
+        # Numpy's rays beside the compiled ones, in the same block of the report and nowhere else.
+        assert any(one.method.name == NUMPY for one in rays)
+        with without_numba():
+            assert not uses_numba()
+        assert uses_numba()
     for one_of in rays:
         assert one_of.error_px <= one_of.method.bound_px
         assert one_of.seconds is not None
