@@ -34,7 +34,7 @@ _CHANGED = 16
 Spectrum = NDArray[np.complex128]
 
 
-class _View(NamedTuple):
+class _Patch(NamedTuple):
     """Pixels of the reference around a query's ground, seen by its camera.
 
     Attributes
@@ -175,7 +175,7 @@ class _Correlation:
         lat, lon = self._mosaic.ground(np.array(column), np.array(row))
         return float(lat), float(lon)
 
-    def _refine(self, sight: _Sight, picture: Image.Image, coarse: _View, coefficients: Floats) -> tuple[float, float]:
+    def _refine(self, sight: _Sight, picture: Image.Image, coarse: _Patch, coefficients: Floats) -> tuple[float, float]:
         """Refine the best candidates at full resolution; returns column and row of the camera in the mosaic."""
         step = self._step
         best, found = -math.inf, (math.nan, math.nan)
@@ -199,7 +199,7 @@ class _Correlation:
                 found = x + across + view.camera[0], y + down + view.camera[1]
         return found
 
-    def _rank_tiles(self, view: _View, coefficients: Floats) -> list[str]:
+    def _rank_tiles(self, view: _Patch, coefficients: Floats) -> list[str]:
         """Rank tiles by the highest coefficient of positions that put the query's centre in the tile's middle half."""
         high, wide = coefficients.shape
         column, row, width = self._tiles
@@ -230,7 +230,7 @@ class _Sight(NamedTuple):
     tilt_deg: float
     roll_deg: float
 
-    def view(self, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int) -> _View | None:
+    def view(self, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int) -> _Patch | None:
         """View from an assumed position; None if it is tiny or larger than the reference."""
         attitude = self.yaw_deg, self.tilt_deg, self.roll_deg
         agl = self.height_m - self.ground_m
@@ -255,7 +255,7 @@ class _Sight(NamedTuple):
         camera_at = mosaic.px(np.array(lat_deg), np.array(lon_deg))
         camera = float(camera_at[0]) / step - left, float(camera_at[1]) / step - top
         centre = float(columns[4]) - left, float(rows[4]) - top
-        return _View((points * (1.0, -1.0) + 1.0) / 2.0, mask, left, top, camera, centre)
+        return _Patch((points * (1.0, -1.0) + 1.0) / 2.0, mask, left, top, camera, centre)
 
 
 class _Interpolation(NamedTuple):
@@ -284,7 +284,7 @@ class _Interpolation(NamedTuple):
         return cls((nodes + 1.0) / 2.0 * length, weights)
 
 
-def _template(picture: Image.Image, view: _View) -> Floats:
+def _template(picture: Image.Image, view: _Patch) -> Floats:
     """Grey values (h, w) of a query in a view, minus their mean; 0 where it shows nothing."""
     values = _reduced(picture, int(view.mask.sum()))
     x, y = view.points[..., 0] * values.shape[1], view.points[..., 1] * values.shape[0]
