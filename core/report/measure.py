@@ -34,7 +34,7 @@ from .wind import WindEffect, wind_effect
 Progress = Callable[[str], None]
 
 
-class Errors(NamedTuple):
+class ErrorSpread(NamedTuple):
     """Distribution of errors in px: median, 95 % and greatest, and the quantiles at 0, 1, … 100 %."""
 
     median: float
@@ -43,7 +43,7 @@ class Errors(NamedTuple):
     quantiles: tuple[float, ...]
 
     @classmethod
-    def from_values(cls, values: Floats) -> Errors | None:
+    def from_values(cls, values: Floats) -> ErrorSpread | None:
         """Distribution of values (n,); None without any."""
         if not values.size:
             return None
@@ -69,7 +69,7 @@ class Measured:
         Size of an image file, for methods that make one.
     floor_px : float
         Error of the reference.
-    errors : Errors or None
+    errors : ErrorSpread or None
         Distribution of the errors.
     own_reached_px : float or None
         Bound that a mesh reaches on the measured captures, which may be far below its tolerance.
@@ -83,7 +83,7 @@ class Measured:
     chosen: bool = False
     size_bytes: int | None = None
     floor_px: float = 0.0
-    errors: Errors | None = None
+    errors: ErrorSpread | None = None
     own_reached_px: float | None = None
     same_px: tuple[float, ...] = ()
 
@@ -113,7 +113,7 @@ class Kernel:
 
 
 @dataclass(frozen=True)
-class Pipeline:
+class WholeImage:
     """All that makes an image file: a method of each stage, and a file format."""
 
     methods: tuple[Measured, ...]
@@ -121,8 +121,8 @@ class Pipeline:
     seconds: Seconds
 
     @classmethod
-    def joined(cls, methods: Sequence[Measured], taking: Sequence[Measured], encoding: Encoding) -> Pipeline | None:
-        """Pipeline of methods, whose time is that of some of them and of the format; None if one was not timed."""
+    def joined(cls, methods: Sequence[Measured], taking: Sequence[Measured], encoding: Encoding) -> WholeImage | None:
+        """Whole image by methods, whose time is that of some of them and of the format; None if one was not timed."""
         seconds = encoding.seconds
         for one in taking:
             if one.seconds is None:
@@ -219,7 +219,7 @@ class Measurement:
         return sum(one.reached_px for one in self.chosen)
 
     @cached_property
-    def pipelines(self) -> tuple[Pipeline, ...]:
+    def pipelines(self) -> tuple[WholeImage, ...]:
         """Ways to make an image file, from cheap to exact in the mission's format, then the plan's in other formats."""
         footprint = next(one for one in self.stages["footprint"] if one.chosen)
         on_map, camera = (
@@ -230,7 +230,7 @@ class Measurement:
             ways += [(camera, one) for one in self.stages.get("pixels", ())]
         found = (
             # The time of pixels is that of the whole camera frame.
-            Pipeline.joined((footprint, *way), (footprint, way[-1]), encoding)
+            WholeImage.joined((footprint, *way), (footprint, way[-1]), encoding)
             for encoding in sorted(self.encodings, key=lambda one: not one.chosen)
             for way in ways
             if encoding.chosen or all(one.chosen for one in way)
@@ -313,7 +313,7 @@ def _load() -> tuple[float, ...]:
 def _measured(
     method: Method, errors_px: Floats, seconds: Seconds | None, *, chosen: bool, size: int | None = None
 ) -> Measured:
-    errors = Errors.from_values(errors_px)
+    errors = ErrorSpread.from_values(errors_px)
     return Measured(method, errors.most if errors else None, seconds, chosen, size, errors=errors)
 
 

@@ -26,7 +26,7 @@ from ..mission.estimate import length_text
 from ..mission.parts import RAYS
 from ..timing import Seconds
 from .conditioning import Conditioning
-from .measure import Measured, Measurement, Pipeline
+from .measure import Measured, Measurement, WholeImage
 from .pictures import BANDS, Encoding, Resampling
 from .pixels import LEVEL
 from .tables import method_name
@@ -137,7 +137,7 @@ def work_precision(found: Measurement, budget_px: float, title: str) -> bytes:
     return png(figure)
 
 
-def _pipeline_label(one: Pipeline) -> str:
+def _pipeline_label(one: WholeImage) -> str:
     """Short name of a pipeline's last method; empty for those that another panel or the legend names."""
     last = one.methods[-1]
     is_named = one.encoding.chosen and (one.chosen or last.method.name in ("map", RAYS, LEVEL))

@@ -10,7 +10,7 @@ from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
 from ..storage.files import csv_bytes
 from ..timing import Seconds
-from .measure import Kernel, Measured, Measurement, Pipeline, Saving, baseline
+from .measure import Kernel, Measured, Measurement, Saving, WholeImage, baseline
 from .pictures import BANDS, Encoding, Resampling
 from .wind import WindEffect
 
@@ -209,7 +209,7 @@ def pipelines_table(measurement: Measurement) -> TextTable:
     return TextTable(header, rows, chosen)
 
 
-def pipeline_name(one: Pipeline) -> str:
+def pipeline_name(one: WholeImage) -> str:
     """Readable names of the methods that differ between pipelines."""
     return ", ".join(method_name(method) for method in one.methods[1:])
 
