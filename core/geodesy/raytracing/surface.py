@@ -148,6 +148,11 @@ class Surface:
         return float(np.nanmin(self.heights_m))
 
     @cached_property
+    def has_ground(self) -> bool:
+        """Whether there is ground somewhere."""
+        return bool(np.isfinite(self.heights_m).any())
+
+    @cached_property
     def has_holes(self) -> bool:
         """Whether ground is missing somewhere."""
         return bool(np.isnan(self.heights_m).any())
@@ -262,7 +267,13 @@ class Surface:
         return lat, dlon, height, hit
 
     def paths(
-        self, lat_deg: float, lon_deg: float, height_m: float, rays: PixelRays, tolerance_px: float
+        self,
+        lat_deg: float,
+        lon_deg: float,
+        height_m: float,
+        rays: PixelRays,
+        tolerance_px: float,
+        reach_m: float = np.inf,
     ) -> tuple[Paths, float, float]:
         """Paths of an image's rays over the surface.
 
@@ -272,6 +283,8 @@ class Surface:
             Position of the camera, with its height above the ellipsoid.
         tolerance_px : float
             Largest error, in pixels of the image.
+        reach_m : float
+            Level distance up to which rays are followed.
 
         Returns
         -------
@@ -282,21 +295,19 @@ class Surface:
         off_px : float
             Bound of the paths' error, in pixels of the image.
         """
-        x, y = (at.ravel() for at in np.meshgrid(*(np.linspace(0.0, side, 6) for side in (rays.width, rays.height))))
-        directions = rays.directions(x, y)
-        away = self.away_m(lat_deg, lon_deg, height_m)
-
-        def ends(rays_enu: Floats) -> Floats:
-            with np.errstate(divide="ignore"):
-                down = np.where(rays_enu[:, 2] < 0.0, (height_m - self.lowest_m) / -rays_enu[:, 2], np.inf)
-            found: Floats = np.minimum(down, away / np.maximum(np.hypot(*rays_enu[:, :2].T), _SLOWEST))
-            # Paths are fitted a little farther than rays are followed.
-            return 1.05 * found
-
-        farthest = ends(directions)
-        # The longest rays reach the lowest ground and the edge at once, often between the points of the fit.
-        all_x, all_y = np.meshgrid(*(np.linspace(0.0, side, 81) for side in (rays.width, rays.height)))
-        reach = float(ends(rays.directions(all_x.ravel(), all_y.ravel())).max())
+        x, y = np.meshgrid(*(np.linspace(0.0, side, 81) for side in (rays.width, rays.height)))
+        directions = rays.directions(x.ravel(), y.ravel())
+        away = min(self.away_m(lat_deg, lon_deg, height_m), reach_m)
+        with np.errstate(divide="ignore"):
+            down = np.where(directions[:, 2] < 0.0, (height_m - self.lowest_m) / -directions[:, 2], np.inf)
+        # Paths are fitted a little farther than rays are followed.
+        farthest = 1.05 * np.minimum(down, away / np.maximum(np.hypot(*directions[:, :2].T), _SLOWEST))
+        reach = float(farthest.max())
+        # Fit 6 x 6 rays and the longest in each column, which reach the lowest ground and the edge at once.
+        fitted = np.zeros(x.shape, bool)
+        fitted[::16, ::16] = True
+        fitted[farthest.reshape(x.shape).argmax(axis=0)[::16], np.arange(0, 81, 16)] = True
+        directions, farthest = directions[fitted.ravel()], farthest[fitted.ravel()]
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         cell = float(self.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), self.zoom))
         tolerances = tolerance_px * pixel / np.array([cell, cell, 1.0]) / 3.0

@@ -21,10 +21,14 @@ from .paths import Paths
 from .seen import STEEP, Seen
 from .surface import Hits, PixelRays, Surface
 
-#: Most cells of a surface; ground farther away is another surface, whose cells are twice as large.
-MOST_CELLS = 1 << 21
-#: Least distance, in cells, at which larger cells begin: beyond it a cell is less than a pixel of most cameras.
-_LEAST_CELLS = 700.0
+#: Most cells of a ring; those of images of many pixels end sooner, and have larger cells.
+MOST_CELLS = 1 << 22
+#: Most cells of a ring to the horizon, without further rings of larger cells.
+_FEW_CELLS = 1 << 21
+#: Most pixels across a cell of ground that faces the camera, where a ring is nearest; 1 in the first ring.
+_MOST_PX = 1.5
+#: Factor on sizes of cells at the camera, for those at other places of its rings.
+_SLACK = 1.02
 #: Factor on the reach of sampled rays: ground at the same distance between two of them lies beyond their chord.
 _BULGE = 1.03
 #: Factor on the length to which rays are followed.
@@ -102,6 +106,14 @@ class Faces(NamedTuple):
     north: Floats
 
 
+class Ring(NamedTuple):
+    """Ground between two level distances from a camera: there, it is this surface."""
+
+    surface: Surface
+    begin_m: float
+    end_m: float
+
+
 def settled(scene: ImageGeometry, height_m: float, tolerance_px: float) -> tuple[ImageGeometry, float]:
     """Round the geometry of one pose and its height, to make images independent of a processor's last digits.
 
@@ -176,7 +188,7 @@ class Tracing:
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         pixel /= float((rays.directions(x, y) ** 2).sum(axis=1).max())
         low, high = np.inf, -np.inf
-        for surface, _ in self._surfaces():
+        for surface, *_ in self.rings():
             if surface.has_holes:
                 return None
             low, high = min(low, surface.lowest_m), max(high, surface.highest_m)
@@ -187,21 +199,31 @@ class Tracing:
     @cached_property
     def _seen(self) -> list[Seen]:
         """Hits on surfaces from near to far; on each, of the pixels that hit no nearer surface."""
-        rays, (lat, lon) = self.rays, self.place
+        rays, (lat, lon), (level, up) = self.rays, self.place, self._ways
         found: list[Seen] = []
-        unmet, after = np.ones((rays.height, rays.width), bool), np.zeros((rays.height, rays.width))
-        for surface, begin_m in self._surfaces():
-            if not np.isfinite(surface.heights_m).any():
+        unmet = np.ones((rays.height, rays.width), bool)
+        for surface, begin_m, end_m in self.rings():
+            if not surface.has_ground:
                 continue
             if begin_m > _MARGIN * surface.away_m(lat, lon, self.height_m):
                 # The surface ends before the distance from which it counts.
                 continue
-            if begin_m > 0.0:
-                after = np.where(unmet, begin_m / self._ways[0], np.inf)
-            paths, farthest, _ = surface.paths(lat, lon, self.height_m, rays, self.tolerance_px / 2.0)
+            after, until = begin_m / level, end_m / level
+            # The Earth falls away by the squared distance over twice its radius, or at least 98 % of that; 1 m is for
+            # higher terms.
+            least_m = self.height_m + np.where(up < 0.0, until, after) * up + 0.98 * begin_m**2 / (2.0 * WGS84.a_m)
+            after[~unmet | (least_m > surface.highest_m + 1.0)] = np.inf
+            if np.isinf(after).all():
+                continue
+            paths, farthest, _ = surface.paths(lat, lon, self.height_m, rays, self.tolerance_px / 2.0, end_m)
+            farthest = min(farthest, float(until[np.isfinite(after)].max()))
             hits = surface.image_hits(paths, rays, after, farthest, self.tolerance_px / 2.0)
             if begin_m > 0.0:
                 self._begin_below(surface, paths, after, hits)
+            with np.errstate(invalid="ignore"):
+                beyond = hits.t > until
+            for values in hits:
+                values[beyond] = np.nan
             unmet &= np.isnan(hits.t)
             found.append(Seen(surface, hits, paths.forms[0][:2, :2]))
             if not unmet.any():
@@ -253,8 +275,8 @@ class Tracing:
 
         Without tracing. Longitudes are not wrapped; infinite where the grid ends.
         """
-        (lat, lon), (directions, level, reach_m) = self.place, self._reach
-        points = self._points(directions, np.zeros_like(level), _BULGE * reach_m / level)
+        lat, lon = self.place
+        points = self._points(0.0, np.inf)
         at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), points)
         u, v = grid.plane.forward(at_lat, lon + dlon)
         if not (np.isfinite(u).all() and np.isfinite(v).all()):
@@ -264,33 +286,60 @@ class Tracing:
         aside, up = 0.05 * (east - west), 0.05 * (south - north)
         return west - aside, north - up, east + aside, south + up
 
-    def _surfaces(self) -> Iterator[tuple[Surface, float]]:
-        """Yield surfaces from near to far, and the level distance from the camera at which each begins.
+    def rings(self) -> Iterator[Ring]:
+        """Yield the ground from near to far.
 
-        The first has the finest cells; if those would be too many, the next has cells twice as large, and so on.
+        A ring has the source's largest cells, of 1, 2, 4 … pixels, that are no larger than what a pixel of the image
+        covers of ground that faces it, at the ring's highest ground and least distance.
         """
-        (lat, lon), (directions, level, reach_m) = self.place, self._reach
-        above_m = self.height_m - self.lowest_m
-        begin_m, cell_m = 0.0, self.relief.cell_m(lat, lon)
-        while begin_m < reach_m.max():
-            end_m = float(reach_m.max())
-            points = self._points(directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level)
-            area_m2 = float(np.prod(np.ptp(points[:, :2], axis=0)))
-            if begin_m == 0.0:
-                # For a high camera even larger cells are less than a pixel.
-                while area_m2 > MOST_CELLS * cell_m**2 and above_m > 2.0 * _LEAST_CELLS * cell_m:
-                    cell_m *= 2.0
-            if area_m2 > MOST_CELLS * cell_m**2:
-                end_m = max(_LEAST_CELLS * cell_m, 2.0 * begin_m)
-                points = self._points(directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level)
-            at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), points)
-            yield self.relief.surface(at_lat, lon + dlon, cell_m), begin_m
-            begin_m, cell_m = end_m, 2.0 * cell_m
+        last_m = float(self._reach[2].max())
+        begin_m = 0.0
+        while begin_m < last_m:
+            ring = self._ring(begin_m, last_m)
+            yield ring
+            begin_m = ring.end_m
 
-    @staticmethod
-    def _points(directions: Floats, first: Floats, last: Floats) -> Floats:
-        """Points at two values of t along rays, relative to the camera."""
-        return np.concatenate([t[:, np.newaxis] * directions for t in (np.minimum(first, last), last)])
+    def _ring(self, begin_m: float, last_m: float) -> Ring:
+        """Ring that begins at a distance."""
+        finest_m = least_m = _SLACK * self.relief.cell_m(*self.place)
+        while self._area_m2(begin_m, 2.0 * begin_m) > MOST_CELLS * least_m**2:
+            least_m *= 2.0
+        pixel = min(float(np.linalg.norm(per)) for per in (self.rays.per_x, self.rays.per_y))
+        most_px = _MOST_PX if begin_m > 0.0 else 1.0
+        # From as far above the ground as it may be, until its heights are known.
+        above_m, cell_m = self.height_m - self.lowest_m, np.inf
+        while True:
+            most_m = most_px * pixel * math.hypot(begin_m, max(above_m, 0.0))
+            doublings = math.floor(math.log2(max(most_m / finest_m, 1.0)))
+            cell_m = max(min(finest_m * 2.0**doublings, cell_m / 2.0), least_m)
+            end_m = self._end_m(begin_m, last_m, cell_m, pixel)
+            points = self._points(begin_m, end_m)
+            lat, dlon, _ = positions(np.array(self.place[0]), np.array(self.height_m), points)
+            surface = self.relief.surface(lat, self.place[1] + dlon, cell_m if cell_m > finest_m else 0.0)
+            if surface.has_ground:
+                above_m = self.height_m - surface.highest_m
+            if cell_m <= max(most_px * pixel * math.hypot(begin_m, max(above_m, 0.0)), least_m):
+                return Ring(surface, begin_m, end_m if end_m < last_m else np.inf)
+
+    def _end_m(self, begin_m: float, last_m: float, cell_m: float, pixel: float) -> float:
+        """Distance at which a ring ends: where cells may be twice as large, or where it would have too many."""
+        if self._area_m2(begin_m, last_m) <= _FEW_CELLS * cell_m**2:
+            return last_m
+        # A thousandth more than needed, for rounding.
+        end_m = max(2.002 * cell_m / (_MOST_PX * pixel), 2.0 * begin_m)
+        while self._area_m2(begin_m, end_m) > MOST_CELLS * cell_m**2:
+            end_m = max(end_m / 2.0, 2.0 * begin_m)
+        return end_m
+
+    def _area_m2(self, begin_m: float, end_m: float) -> float:
+        """Area of the box around the ground between two distances that the image may show."""
+        return float(np.prod(np.ptp(self._points(begin_m, end_m)[:, :2], axis=0)))
+
+    def _points(self, begin_m: float, end_m: float) -> Floats:
+        """Points along rays at two level distances, relative to the camera."""
+        directions, level, reach_m = self._reach
+        last = _BULGE * np.minimum(reach_m, end_m) / level
+        return np.concatenate([t[:, np.newaxis] * directions for t in (np.minimum(begin_m / level, last), last)])
 
     @cached_property
     def sky(self) -> Flags:
@@ -310,7 +359,8 @@ class Tracing:
     @cached_property
     def depth_m(self) -> Floats:
         """Depths along the optical axis, (height, width); NaN without ground."""
-        depths: Floats = np.fmax.reduce([one.hits.t for one in self._seen])
+        unseen = np.full((self.rays.height, self.rays.width), np.nan)
+        depths: Floats = np.fmax.reduce([unseen, *(one.hits.t for one in self._seen)])
         return depths
 
     @cached_property

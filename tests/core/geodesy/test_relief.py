@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pyproj
 import pytest
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.accuracy import ImageGeometry
+from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.geodesy.raytracing.paths import Paths, evaluate, fit_paths
 from terrainav.core.geodesy.raytracing.surface import PixelRays, Surface
+from terrainav.core.geodesy.raytracing.tracing import Tracing
 
 from tests.support.thinning import sampled
 
@@ -320,3 +322,70 @@ def test_paths_are_as_exact_as_they_say(crs, lat, lon, far):
     assert (off <= tolerances).all()
     # Heights by PROJ are off by 3e-6 m at a pole.
     assert (np.abs(told - true) <= off[:, np.newaxis] * t + 1e-5).all()
+
+
+class Town:
+    """Hills and towers whose heights differ from zoom to zoom, as those of averaged heights do."""
+
+    title = attribution = ""
+    grid = PixelGrid(max_zoom=19, native_zoom=19)
+
+    def cell_m(self, lat_deg, lon_deg):
+        return float(self.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), 19))
+
+    def surface(self, lat_deg, lon_deg, cell_m=0.0):
+        zoom = 19
+        while zoom > 0 and 2.0 ** (20 - zoom) * self.cell_m(lat_deg.mean(), lon_deg.mean()) <= cell_m:
+            zoom -= 1
+        u, v = (at * self.grid.world_px(zoom) for at in self.grid.plane.forward(lat_deg, lon_deg))
+        left, top = int(u.min()) - 2, int(v.min()) - 2
+        x, y = np.meshgrid(np.arange(left, int(u.max()) + 3), np.arange(top, int(v.max()) + 3))
+        x_m, y_m = (at * 2.0 ** (19 - zoom) * 0.2 for at in (x, y))
+        z = 300.0 + 8.0 * np.sin(x_m / 90.0) * np.cos(y_m / 70.0) + (19 - zoom) * np.sin(x_m + y_m)
+        z += 15.0 * ((x % 37 < 3) & (y % 41 < 3)) / (20 - zoom)
+        return Surface(self.grid, zoom, left, top, z)
+
+
+@pytest.mark.parametrize(("agl", "tilt"), [(40.0, 78.0), pytest.param(300.0, 75.0, marks=pytest.mark.thorough)])
+def test_rings_are_seen_as_a_march_over_them_does(agl, tilt):
+    """Whatever stands between the camera and the first ground of the ring that a ray is over, none is lost."""
+    lat, lon, height, tolerance_px = 47.3, 8.2, 320.0 + agl, 0.02
+    pose = Poses(*(np.array([at]) for at in (lat, lon, agl, 40.0, tilt, 2.0)))
+    tracing = Tracing(ImageGeometry(CAMERA, 96, 72, pose), height, Town(), 280.0, tolerance_px)
+    rings, rays = list(tracing.rings()), tracing.rays
+    assert len(rings) > 2
+    # Each begins where the one before ends; none has cells larger than 1.5 pixels.
+    pixel = float(np.linalg.norm(rays.per_x))
+    for ring, end_m in zip(rings, [0.0, *(ring.end_m for ring in rings)]):
+        assert ring.begin_m == end_m
+        cell = Town.grid.ground_m_per_px(np.array(lat), np.array(lon), ring.surface.zoom)
+        distance = np.hypot(ring.begin_m, max(height - ring.surface.highest_m, 0.0))
+        assert ring.surface.zoom == 19 or cell <= 1.5 * pixel * distance
+    steeps = [1.0 + max(np.abs(np.diff(one.surface.heights_m, axis=axis)).max() for axis in (0, 1)) for one in rings]
+    some = np.random.default_rng(6).integers(0, 96 * 72, 20)
+    directions, found = centres(rays)[some], tracing.depth_m.ravel()[some]
+    assert 0.3 < np.isfinite(found).mean() < 1.0
+    level = np.hypot(*directions[:, :2].T)
+    for ray, t_found, way in zip(directions, found, level):
+        for number, (surface, begin_m, end_m) in enumerate(rings):
+            # A hit where a ring ends is where the next begins, but for rounding.
+            begin, end = begin_m / way, end_m / way * (1.0 - 1e-9)
+            last = min(end, 40_000.0 / way, 2.0 * t_found if np.isfinite(t_found) else np.inf)
+            if begin >= last:
+                break
+            t = np.linspace(begin, last, 1500)
+            if begin <= t_found <= last:
+                t = np.unique(np.append(t, t_found))
+            x, y, h = on_earth(surface, lat, lon, height, t[:, np.newaxis] * ray)
+            over = h - bilinear(surface.heights_m, x, y)
+            bound = 2.0 * tolerance_px * pixel * t * steeps[number] + 1e-6
+            below = np.flatnonzero(over < -bound)
+            if len(below):
+                # The hit is no later, and may be where the ring begins.
+                assert t_found <= t[below[0]]
+            if np.isfinite(t_found) and begin * (1.0 - 1e-9) <= t_found < end:
+                at = min(np.searchsorted(t, t_found), len(t) - 1)
+                assert over[at] <= bound[at]
+                assert abs(over[at]) <= bound[at] or (number and t_found == pytest.approx(begin))
+            if len(below):
+                break
