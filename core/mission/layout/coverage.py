@@ -25,7 +25,7 @@ from ..areas.area import (
 )
 
 #: Strips per chunk, which bounds the memory for any number of rectangles.
-_CHUNK = 2_000_000
+_CHUNK = 250_000
 #: Missing shares of the area below this are rounding between two ways to compute areas.
 _NOTHING_MISSING = 1e-9
 

@@ -33,6 +33,8 @@ _MIN_SEEN_SHARE = 0.02
 _SAMPLES = 2048
 #: Relief up to this height counts as level: the last digit of heights.
 _LEVEL_M = 1e-4
+#: Rays followed at a time, which bounds memory.
+_RAYS = 1 << 16
 
 
 class ModelledRelief:
@@ -257,6 +259,13 @@ class ModelledRelief:
 
         Rays that miss the relief in memory meet level ground at its lowest height.
         """
+        each = max(_RAYS // len(points), 1)
+        batches = [slice(first, first + each) for first in range(0, len(height_m), each)]
+        found = [self._seen(poses.take(some), height_m[some], points) for some in batches]
+        corners, heights = zip(*found)
+        return Corners(*map(np.concatenate, zip(*corners))), np.concatenate(heights)
+
+    def _seen(self, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:
         # A camera must be above the ground, if only by a millimetre.
         level = poses._replace(agl_m=np.maximum(height_m - self.lowest_m, 1e-3))
         found = exact(self.mission.camera, level, points, WGS84.raised(self.lowest_m))
