@@ -20,17 +20,17 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import partial
 from io import BytesIO
 from pathlib import Path
-from unittest.mock import patch
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 from PIL import Image, ImageDraw
-from terrainav.core import compiling
 from terrainav.core.elevation.layered import open_relief
+from terrainav.core.external import compiling
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -265,13 +265,11 @@ def images(dsm: str | None) -> None:
         for name, elevation, at in grounds:
             for tilt in (0.0, 60.0, 85.0):
                 work = whole_image(elevation, tilt, at)
-                taken, problem = {"numpy": np.inf, "numba": np.inf}, compiling.numba_problem
+                taken = {"numpy": np.inf, "numba": np.inf}
                 work()
                 for _ in range(REPEATS):
                     for code in taken:
-                        with patch.object(
-                            compiling, "numba_problem", problem if code == "numba" else lambda: "unwanted"
-                        ):
+                        with compiling.without_numba() if code == "numpy" else nullcontext():
                             taken[code] = min(taken[code], timed(work, 1))
                 slow, fast = taken.values()
                 print(f"| {name} | {tilt:g}° | {1 / slow:.1f} | {1 / fast:.1f} | {slow / fast:.1f} |", flush=True)

@@ -47,8 +47,8 @@ import numpy as np
 import pyproj
 from relief import CAMERA, HEIGHTS_M, SIZE, TILTS, Hills, march, timed
 from terrainav.core.capture.runner import capture
-from terrainav.core.compiling import uses_numba
 from terrainav.core.elevation.layered import open_relief
+from terrainav.core.external.compiling import uses_numba
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.raytracing.surface import Surface

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Flags, Floats, NDArray, Numbers
-from ..compiling import uses_numba
 from ..errors import InvalidInput
+from ..external.compiling import uses_numba
 from ..limits import MAX_IMAGE_TILES
 from .accuracy import ImageGeometry, grazing, mesh_noise_px
 from .ellipsoid import GroundPoints, clearance, trace

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..arrays import PixelValues
 from ..bands import RGB, Bands
-from ..compiling import uses_numba
 from ..errors import Message
+from ..external.compiling import uses_numba
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Part, Window, tile_parts
 from ..mission.plan import Plan

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 from ..arrays import Floats, NDArray, PixelValues
-from ..compiling import uses_numba
+from ..external.compiling import uses_numba
 
 #: Arrays of float32, which is enough for 8-bit images, or of float64.
 Weights = NDArray[Any]

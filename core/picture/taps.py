@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from ..arrays import Floats, PixelValues
-from ..compiling import compiled
+from ..external.compiling import compiled
 
 
 @compiled

@@ -18,8 +18,8 @@ from ..arrays import Bytes, Floats
 from ..capture.metadata import Description
 from ..capture.records import image_job
 from ..capture.writers import JPEG_QUALITY, Place, encoded
-from ..compiling import without_numba
 from ..errors import PartError
+from ..external.compiling import without_numba
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.frames import map_windows, plane_runs, quarter_turns
 from ..geodesy.view import View, view

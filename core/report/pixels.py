@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Floats
-from ..compiling import uses_numba, without_numba
+from ..external.compiling import uses_numba, without_numba
 from ..geodesy.accuracy import ImageGeometry
 from ..mission.methods import (
     COARSEST_MESH_PX,

@@ -7974,31 +7974,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}</translation>
     </message>
     <message>
-        <location filename="../../core/compiling.py"/>
-        <source>numba cannot be used: {0}</source>
-        <translation>numba no se puede usar: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/compiling.py"/>
-        <source>numba is not installed</source>
-        <translation>numba no está instalado</translation>
-    </message>
-    <message>
-        <location filename="../../core/compiling.py"/>
-        <source>numba {0}</source>
-        <translation>numba {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/compiling.py"/>
-        <source>numpy ({0}); several times as fast with numba, from pip or the package python3-numba</source>
-        <translation>numpy ({0}); varias veces más rápido con numba, de pip o del paquete python3-numba</translation>
-    </message>
-    <message>
-        <location filename="../../core/compiling.py"/>
-        <source>{0} is 0 in the environment</source>
-        <translation>{0} es 0 en el entorno</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/cells.py"/>
         <source>has {0} cells, not {1}</source>
         <translation>tiene {0} celdas, no {1}</translation>
@@ -8877,6 +8852,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/views.py"/>
         <source>folder {0}: its images are windows of the map, which no camera takes</source>
         <translation>carpeta {0}: sus imágenes son ventanas del mapa, que ninguna cámara toma</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/compiling.py"/>
+        <source>numba cannot be used: {0}</source>
+        <translation>numba no se puede usar: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/compiling.py"/>
+        <source>numba is not installed</source>
+        <translation>numba no está instalado</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/compiling.py"/>
+        <source>numba {0}</source>
+        <translation>numba {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/compiling.py"/>
+        <source>numpy ({0}); several times as fast with numba, from pip or the package python3-numba</source>
+        <translation>numpy ({0}); varias veces más rápido con numba, de pip o del paquete python3-numba</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/compiling.py"/>
+        <source>{0} is 0 in the environment</source>
+        <translation>{0} es 0 en el entorno</translation>
     </message>
     <message>
         <location filename="../../core/external/drawing.py"/>

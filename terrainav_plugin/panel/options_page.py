@@ -24,8 +24,8 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ...core.compiling import code_in_use
 from ...core.errors import InvalidInput, TerrAInavError
+from ...core.external.compiling import code_in_use
 from ...core.mission.estimate import size_text
 from ..help import add_help_button
 from ..i18n import number_text, tr, translate

@@ -14,7 +14,7 @@ settings.load_profile("same every time")
 @pytest.fixture(params=["numpy", "compiled"])
 def ray_code(request, monkeypatch):
     """The code that follows rays over relief: numpy's, and what numba has compiled."""
-    from terrainav.core import compiling
+    from terrainav.core.external import compiling
 
     if request.param == "numpy":
         monkeypatch.setattr(compiling, "numba_problem", lambda: "not wanted")

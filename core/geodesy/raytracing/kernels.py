@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Flags, Floats
-from ...compiling import compiled
+from ...external.compiling import compiled
 from .pyramid import Pyramid
 
 

@@ -11,15 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Floats, Numbers
-from ...compiling import compiled
+from ...external.compiling import compiled
 from ..view import MOST_POWER, NEAREST_PX
 
 #: Samples of one kind are numbered by zoom, and samples along x and y, in four bits each.
 _ZOOM_BITS = 8
 
 
-class Pixels(NamedTuple):
-    """Pixels (n,) to be sampled, filled by kernels.
+class SeenPixels(NamedTuple):
+    """SeenPixels (n,) to be sampled, filled by kernels.
 
     Attributes
     ----------
@@ -38,14 +38,14 @@ class Pixels(NamedTuple):
     steps: Floats
 
     @classmethod
-    def blank(cls, count: int) -> Pixels:
+    def blank(cls, count: int) -> SeenPixels:
         """Make room for pixels."""
         (row, column), (x, y) = np.empty((2, count), np.int64), np.empty((2, count))
         return cls(row, column, x, y, np.empty((count, 4)))
 
-    def first(self, count: int) -> Pixels:
+    def first(self, count: int) -> SeenPixels:
         """First pixels."""
-        return Pixels._make(part[:count] for part in self)
+        return SeenPixels._make(part[:count] for part in self)
 
 
 @compiled
@@ -124,7 +124,7 @@ def seen_pixels(
     rays: Floats,
     per: Floats,
     steep: float,
-    pixels: Pixels,
+    pixels: SeenPixels,
 ) -> tuple[int, int]:
     """Fill in the pixels that see a surface; return their number, and that of all that see steep faces.
 
@@ -170,7 +170,7 @@ def _samples_along(span: float, world: float, zoom: int) -> int:
 
 @compiled
 def detail(
-    pixels: Pixels,
+    pixels: SeenPixels,
     middle: Floats,
     half: Floats,
     factors: Floats,
@@ -207,7 +207,7 @@ def detail(
 
 @compiled
 def spread_samples(
-    pixels: Pixels,
+    pixels: SeenPixels,
     kinds: Numbers,
     next_pixel: Numbers,
     next_sample: Numbers,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval2d, polyvander2d
 
 from ...arrays import Flags, Floats
-from ...compiling import uses_numba
+from ...external.compiling import uses_numba
 from ..mercator import PixelGrid, wrap_lon_deg
 from ..view import Samples, detail_groups, pixel_detail, sample_offsets
 from .surface import Hits, PixelRays, Surface
@@ -132,7 +132,7 @@ class Seen(NamedTuple):
     ) -> tuple[list[Samples], int]:
         from . import sampling
 
-        pixels = sampling.Pixels.blank(int(np.count_nonzero(np.isfinite(self.hits.t))))
+        pixels = sampling.SeenPixels.blank(int(np.count_nonzero(np.isfinite(self.hits.t))))
         heights, has_holes = self.surface.grid_heights_m, self.surface.has_holes
         ways = np.stack(rays[:3])
         count, faces = sampling.seen_pixels(heights, has_holes, *self.hits, ways, self.per_metre, STEEP, pixels)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...arrays import Flags, Floats, NDArray
-from ...compiling import uses_numba
+from ...external.compiling import uses_numba
 from ..ellipsoid import WGS84, sight_lines, trace
 from ..mercator import PixelGrid
 from .paths import Paths, evaluate, fit_paths, interpolate_rays

@@ -11,7 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ...arrays import Flags, Floats, Numbers
-from ...compiling import uses_numba
+from ...external.compiling import uses_numba
 from ..accuracy import ImageGeometry
 from ..camera import Poses
 from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace

@@ -13,11 +13,12 @@ import pytest
 from osgeo import gdal
 from PIL import Image
 from terrainav.core.capture.runner import capture
-from terrainav.core.compiling import uses_numba, without_numba
 from terrainav.core.errors import InvalidInput
+from terrainav.core.external.compiling import uses_numba, without_numba
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.raytracing import tracing
 from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.geodesy.raytracing.tracing import Tracing
 from terrainav.core.imagery.opening import open_source
@@ -459,6 +460,7 @@ def test_each_image_is_traced_once_each_tile_fetched_once_and_boxes_hold_what_is
         return image_hits(self, *arguments)
 
     monkeypatch.setattr(Surface, "image_hits", watched)
+    monkeypatch.setattr(tracing, "compile_code", lambda: None)
     photo, tower = files["photo"], files["tower"]
     mission = Mission(box(), 60.0, source=photo, elevation=(tower,), tilt_deg=tilt, upsample=True)
     source = open_source(files["photo"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from terrainav.core import compiling
+from terrainav.core.external import compiling
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -19,16 +19,10 @@ TOLERANCE_PX = 0.02
 ZOOMS = (0, 22)
 
 
-@pytest.fixture
-def with_numpy(monkeypatch):
-    """Function that runs another without numba."""
-
-    def run(work):
-        with monkeypatch.context() as patch:
-            patch.setattr(compiling, "numba_problem", lambda: "not wanted")
-            return work()
-
-    return run
+def with_numpy(work):
+    """Result of work that is done without numba."""
+    with compiling.without_numba():
+        return work()
 
 
 def tracing(kind, tilt_deg, crs="EPSG:32616", place=(35.1, -89.9)):
@@ -44,7 +38,7 @@ def tracing(kind, tilt_deg, crs="EPSG:32616", place=(35.1, -89.9)):
 
 @pytest.mark.parametrize("kind", [terraces, blocks, holes])
 @pytest.mark.parametrize("tilt_deg", [0.0, 70.0])
-def test_samples_and_tiles_are_those_of_numpy(kind, tilt_deg, with_numpy):
+def test_samples_and_tiles_are_those_of_numpy(kind, tilt_deg):
     made, grid = tracing(kind, tilt_deg), PixelGrid(max_zoom=22, native_zoom=22)
     view, wanted = made.view(grid, ZOOMS), with_numpy(lambda: made.view(grid, ZOOMS))
     assert view.facade_share == wanted.facade_share
@@ -60,7 +54,7 @@ def test_samples_and_tiles_are_those_of_numpy(kind, tilt_deg, with_numpy):
 
 
 @pytest.mark.parametrize("kind", [terraces, blocks, holes])
-def test_hits_are_those_of_numpy_but_where_rays_graze_an_edge(kind, with_numpy):
+def test_hits_are_those_of_numpy_but_where_rays_graze_an_edge(kind):
     found = tracing(kind, 55.0).depth_m
     wanted = with_numpy(lambda: tracing(kind, 55.0).depth_m)
     assert np.mean(np.isnan(found) != np.isnan(wanted)) < 1e-3
@@ -72,7 +66,7 @@ def test_hits_are_those_of_numpy_but_where_rays_graze_an_edge(kind, with_numpy):
 
 @pytest.mark.parametrize("data_type", ["uint8", "uint16", "float32"])
 @pytest.mark.parametrize("channels", [1, 3, 5])
-def test_bilinear_values_are_those_of_numpy_to_the_last_digit(data_type, channels, with_numpy):
+def test_bilinear_values_are_those_of_numpy_to_the_last_digit(data_type, channels):
     rng = np.random.default_rng(1)
     image = rng.integers(0, 256, (50, 70, channels)).astype(data_type)
     x, y = rng.uniform(-5.0, 75.0, 1000), rng.uniform(-5.0, 55.0, 1000)

@@ -10,8 +10,7 @@ from functools import cache
 from importlib.util import find_spec
 from typing import Any, TypeVar
 
-from .errors import Message
-from .text.plain import error_text
+from ..errors import Message
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -33,6 +32,9 @@ def numba_problem() -> Message | None:
         # Imports what compiling imports, which may fail where numba itself does not: two halves of cffi, say.
         cpu_target.typing_context.refresh()
     except Exception as error:  # noqa: BLE001  (each release of numba refuses newer ones of numpy, in its own way)
+        # Imported this late, as commands without relief import this module.
+        from ..text.plain import error_text
+
         return Message("numba cannot be used: {0}", error_text(error))
     return None
 
@@ -77,4 +79,10 @@ def compiled(function: Function) -> Function:
     except RuntimeError:
         # Neither folder can be written.
         made = numba.njit(**options)(function)
+    kept: Any = made._cache  # type: ignore[attr-defined]  # noqa: SLF001
+    try:
+        kept._cache_file._load_index()  # noqa: SLF001
+    except Exception:  # noqa: BLE001  (pickles raise anything)
+        # An earlier release has kept code for classes that are gone, and numba would stop at each call.
+        kept.flush()
     return made

@@ -8,9 +8,11 @@ import subprocess
 import sys
 
 import pytest
-from terrainav.core import compiling
+from terrainav.core.external import compiling
 
-REPORT = "from terrainav.core.compiling import code_in_use; import sys; print(code_in_use(), 'numba' in sys.modules)"
+REPORT = (
+    "import sys; from terrainav.core.external import compiling as c; print(c.code_in_use(), 'numba' in sys.modules)"
+)
 
 
 @pytest.fixture
@@ -46,7 +48,7 @@ def test_what_is_compiled_need_not_be_kept(tmp_path):
     if not compiling.uses_numba():
         pytest.skip("numba is not installed")
     (tmp_path / "sums.py").write_text(
-        "from terrainav.core.compiling import compiled\n"
+        "from terrainav.core.external.compiling import compiled\n"
         "@compiled\n"
         "def total(values):\n"
         "    result = 0.0\n"
@@ -58,3 +60,26 @@ def test_what_is_compiled_need_not_be_kept(tmp_path):
     code = "import numpy, sums; print(sums.total(numpy.arange(4.0)))"
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
     assert (run.returncode, run.stdout) == (0, "6.0\n"), run.stderr
+
+
+def test_what_an_earlier_release_has_kept_is_compiled_anew(tmp_path):
+    """Kept code is found by its file and line; it may be for a class that has another name now."""
+    if not compiling.uses_numba():
+        pytest.skip("numba is not installed")
+    source = (
+        "import numpy\n"
+        "from typing import NamedTuple\n"
+        "from terrainav.core.external.compiling import compiled\n"
+        "class {0}(NamedTuple):\n"
+        "    values: object\n"
+        "@compiled\n"
+        "def first(given):\n"
+        "    return given.values[0]\n"
+        "print(first({0}(numpy.arange(2.0) + 1.0)), sum(first.stats.cache_hits.values()))\n"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": str(tmp_path)}
+    for name, hits in (("Pair", 0), ("Pair", 1), ("Other", 0), ("Other", 1)):
+        (tmp_path / "pairs_of.py").write_text(source.format(name))
+        command = [sys.executable, "-B", "-c", "import pairs_of"]
+        run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        assert (run.returncode, run.stdout) == (0, f"1.0 {hits}\n"), run.stderr
