@@ -9,7 +9,6 @@ Images have 640 x 480 px. Times are the least of several runs in turns on one th
 from __future__ import annotations
 
 import argparse
-import io
 import time
 import zlib
 from collections.abc import Callable
@@ -68,13 +67,6 @@ def zlib_like(module: Any, level: int, strategy: int = 0) -> Encoder:
     return in_strips(compress)
 
 
-def by_pillow(pixels: Any) -> int:
-    """Pillow's PNG with a search for runs only, which was ours before."""
-    file = io.BytesIO()
-    Image.fromarray(pixels).save(file, "PNG", compress_level=6, compress_type=zlib.Z_RLE)
-    return len(file.getvalue())
-
-
 def by_gdal(*options: str) -> Encoder:
     """GDAL's GeoTIFF in memory."""
     from osgeo import gdal
@@ -104,7 +96,6 @@ def encoders() -> dict[str, Encoder]:
         "zlib, runs": zlib_like(zlib, 6, zlib.Z_RLE),
         "zlib, level 1": zlib_like(zlib, 1),
         "zlib, level 6": zlib_like(zlib, 6),
-        "Pillow, PNG, runs": by_pillow,
     }
     if find_spec("osgeo"):
         for level in (1, 6):

@@ -21,7 +21,6 @@ import sys
 import tempfile
 import threading
 import time
-import zlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -123,7 +122,7 @@ def ours(job: dict[str, Any]) -> None:
     from terrainav.core.capture.runner import capture
 
     if not job["packed"]:
-        writers.zlib_stream = lambda blocks: zlib.compress(b"".join(blocks), 0)
+        writers._ZLIB_LEVEL = 0  # noqa: SLF001
     worked_out, source = planned(job["file"], *job["shape"])
     result = capture(worked_out, source, job["folder"], connections=job["threads"], workers=job["threads"])
     source.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -13,7 +14,6 @@ from ..capture.georeference import Georeference
 from ..capture.metadata import SOFTWARE
 from ..capture.tiff import Tag, TagType, big_header, directory, header
 from ..capture.writers import band_items, gdal_metadata
-from ..deflate import zlib_stream
 from ..errors import OutputError
 from ..storage.files import partial_file
 
@@ -28,7 +28,9 @@ def packed_tile(pixels: Bytes) -> bytes:
     tile = np.zeros((TILE_PX, TILE_PX, pixels.shape[2]), np.uint8)
     tile[: pixels.shape[0], : pixels.shape[1]] = pixels
     tile[:, 1:] -= tile[:, :-1].copy()
-    return zlib_stream([tile.ravel()])
+    # Level 6 is fast, and within a few per cent of the smallest.
+    packer = zlib.compressobj(6, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, zlib.Z_RLE)
+    return packer.compress(tile.tobytes()) + packer.flush()
 
 
 def write_tiles(
