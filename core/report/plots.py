@@ -343,7 +343,7 @@ def conditioning(found: Conditioning) -> bytes:
     """Draw the condition number over tilt and over height, with the mission's own curve and place."""
     figure = new_figure(12.5, 4.8)
     over_tilt, over_height = figure.subplots(1, 2, sharey=True)
-    dress(over_tilt, "Condition number over tilt", "tilt, degrees off nadir", "condition number")
+    dress(over_tilt, "Condition number over tilt", "angle off nadir, °", "condition number")
     dress(over_height, "Condition number over height", "height above ground, m", "")
     logarithmic(over_tilt, "y")
     logarithmic(over_height, "xy")

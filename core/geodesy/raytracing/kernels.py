@@ -323,6 +323,29 @@ def search_cells(
 
 
 @compiled
+def _fill_lines(forms: Floats, y_px: float, lines: Floats) -> None:
+    """Fill in the coefficients of a row's paths by powers of x: (degree, 3, k)."""
+    for power in range(len(forms)):
+        for axis in range(3):
+            for k in range(power + 2):
+                total = 0.0
+                for m in range(power + 1, -1, -1):
+                    total = total * y_px + forms[power, axis, m, k]
+                lines[power, axis, k] = total
+
+
+@compiled
+def _fill_ray(lines: Floats, x_px: float, c: Floats) -> None:
+    """Fill in the coefficients (degree, 3) of a pixel's path."""
+    for power in range(len(lines)):
+        for axis in range(3):
+            total = 0.0
+            for k in range(power + 1, -1, -1):
+                total = total * x_px + lines[power, axis, k]
+            c[power, axis] = total
+
+
+@compiled
 def image_hits(
     heights: Floats,
     tops: Pyramid,
@@ -345,24 +368,43 @@ def image_hits(
     ``side`` px hits anything.
     """
     height, width = after.shape
-    degree = len(forms)
     for row in range(height):
-        for power in range(degree):
-            for axis in range(3):
-                for k in range(power + 2):
-                    total = 0.0
-                    for m in range(power + 1, -1, -1):
-                        total = total * (row + 0.5) + forms[power, axis, m, k]
-                    lines[power, axis, k] = total
+        _fill_lines(forms, row + 0.5, lines)
         for column in range(width):
             t = max(bundles[row // side, column // side], after[row, column])
             if t == np.inf:
                 continue
-            for power in range(degree):
-                for axis in range(3):
-                    total = 0.0
-                    for k in range(power + 1, -1, -1):
-                        total = total * (column + 0.5) + lines[power, axis, k]
-                    c[power, axis] = total
+            _fill_ray(lines, column + 0.5, c)
             hit = _search(heights, tops, rules, start, c, longest, none, t, farthest)
             found[0, row, column], found[1, row, column], found[2, row, column] = hit
+
+
+@compiled
+def begin_below(
+    heights: Floats,
+    start: Floats,
+    forms: Floats,
+    after: Floats,
+    lines: Floats,
+    c: Floats,
+    hit_t: Floats,
+    hit_column: Floats,
+    hit_row: Floats,
+) -> None:
+    """`Surface.begin_below`: fills in hits, (height, width) each."""
+    rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
+    for row in range(after.shape[0]):
+        _fill_lines(forms, row + 0.5, lines)
+        for column in range(after.shape[1]):
+            t = after[row, column]
+            if t == np.inf or not math.isnan(hit_t[row, column]):
+                continue
+            _fill_ray(lines, column + 0.5, c)
+            x, y, h = _point(start, c, t)
+            if not (0.0 <= x <= columns and 0.0 <= y <= rows):
+                continue
+            i, j = min(int(y), rows - 1), min(int(x), columns - 1)
+            a, b, below = heights[i, j], heights[i, j + 1] - heights[i, j], heights[i + 1, j] - heights[i, j]
+            twist = heights[i + 1, j + 1] - heights[i + 1, j] - b
+            if a + b * (x - j) + below * (y - i) + twist * (x - j) * (y - i) >= h:
+                hit_t[row, column], hit_column[row, column], hit_row[row, column] = t, x, y

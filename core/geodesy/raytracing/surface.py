@@ -391,10 +391,7 @@ class Surface:
             bend = _bends(np.abs(corners).max(axis=(2, 3)), farthest)
             with np.errstate(divide="ignore"):
                 longest = float(np.sqrt(2.0 * off_per_t / bend).min())
-            degree = len(forms)
-            padded = np.stack(
-                [np.pad(form, [(0, 0), *2 * [(0, degree - power)]]) for power, form in enumerate(forms, 1)]
-            )
+            padded = _padded(forms)
             found = np.full((3, *after.shape), np.nan)
             scratch = np.empty(padded.shape[:3]), np.empty(padded.shape[:2]), np.empty((0, 2))
             kernels.image_hits(*self._grids, paths.start, padded, longest, after, t, side, farthest, *scratch, found)
@@ -402,6 +399,23 @@ class Surface:
         falls = self._falling(paths.start, middle.reshape(flat), spread.reshape(pairs), t.ravel(), farthest)
         falling = [one.reshape(t.shape) for one in falls]
         return self._pixels(paths.start, forms, rays, (after, t, *falling), farthest, tolerance_px)
+
+    def begin_below(self, paths: Paths, rays: PixelRays, after: Floats, hits: Hits) -> None:
+        """Record hits of the rays that are below the surface at the t from which hits count: see `image_hits`."""
+        if uses_numba():
+            from . import kernels
+
+            forms = _padded(rays.forms(paths))
+            scratch = np.empty(forms.shape[:3]), np.empty(forms.shape[:2])
+            kernels.begin_below(self.grid_heights_m, paths.start, forms, after, *scratch, *hits)
+            return
+        row, column = np.nonzero(np.isfinite(after) & np.isnan(hits.t))
+        t = after[row, column]
+        at_column, at_row, height = paths.evaluate(rays.directions(column + 0.5, row + 0.5), t)
+        with np.errstate(invalid="ignore"):
+            below = self.heights(at_column, at_row) >= height
+        for whole, part in zip(hits, (t, at_column, at_row)):
+            whole[row[below], column[below]] = part[below]
 
     def _falling(
         self, start: Floats, middle: Floats, spread: Floats, after: Floats, farthest: float
@@ -779,6 +793,12 @@ def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
 def _bulge(coefficients: Floats) -> Floats | float:
     """Largest drop of heights within a step below both its ends, per squared step: half the second derivative."""
     return np.abs(coefficients[1, 2]) if len(coefficients) > 1 else 0.0
+
+
+def _padded(forms: list[Floats]) -> Floats:
+    """Forms of `PixelRays.forms` as one array (degree, c, k, k)."""
+    degree = len(forms)
+    return np.stack([np.pad(form, [(0, 0), *2 * [(0, degree - power)]]) for power, form in enumerate(forms, 1)])
 
 
 def _bends(coefficients: Floats, end: float) -> Floats:

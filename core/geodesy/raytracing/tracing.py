@@ -17,9 +17,8 @@ from ..camera import Poses
 from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace
 from ..mercator import PixelGrid, wrap_lon_deg
 from ..view import ImageRays, View
-from .paths import Paths
 from .seen import STEEP, Seen
-from .surface import Hits, PixelRays, Surface
+from .surface import PixelRays, Surface
 
 #: Most cells of a ring; those of images of many pixels end sooner, and have larger cells.
 MOST_CELLS = 1 << 22
@@ -219,7 +218,9 @@ class Tracing:
             farthest = min(farthest, float(until[np.isfinite(after)].max()))
             hits = surface.image_hits(paths, rays, after, farthest, self.tolerance_px / 2.0)
             if begin_m > 0.0:
-                self._begin_below(surface, paths, after, hits)
+                # The nearer ring's surface, whose cells are finer, may be lower where this one begins.
+                height_m = self.height_m + after * (up + 0.98 * after * level**2 / (2.0 * WGS84.a_m))
+                surface.begin_below(paths, rays, np.where(height_m <= surface.highest_m + 1.0, after, np.inf), hits)
             with np.errstate(invalid="ignore"):
                 beyond = hits.t > until
             for values in hits:
@@ -239,20 +240,6 @@ class Tracing:
             for origin, per_x, per_y in zip(self.rays.origin, self.rays.per_x, self.rays.per_y)
         )
         return np.maximum(np.hypot(east, north), _LEAST), up
-
-    def _begin_below(self, surface: Surface, paths: Paths, after: Floats, hits: Hits) -> None:
-        """Record hits of rays that start below a surface, which may be higher than the finer, nearer one."""
-        level, up = self._ways
-        with np.errstate(invalid="ignore"):
-            # The Earth falls away by the squared distance over twice its radius, or at least 98 % of that; 1 m is for
-            # higher terms.
-            height = self.height_m + after * (up + 0.98 * after * level**2 / (2.0 * WGS84.a_m))
-            row, column = np.nonzero(np.isfinite(after) & np.isnan(hits.t) & (height < surface.highest_m + 1.0))
-            t = after[row, column]
-            at_column, at_row, height = paths.evaluate(self.rays.directions(column + 0.5, row + 0.5), t)
-            below = surface.heights(at_column, at_row) >= height
-        for whole, part in zip(hits, (t, at_column, at_row)):
-            whole[row[below], column[below]] = part[below]
 
     @cached_property
     def _reach(self) -> tuple[Floats, Floats, Floats]:
