@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Floats, Numbers
+from ...arrays import Flags, Floats, Numbers
 from ...external.compiling import compiled
 from ..view import MOST_POWER, NEAREST_PX
 
@@ -112,6 +112,19 @@ def _has_ground(heights: Floats, per: Floats, column: float, row: float, steps: 
         if not math.isfinite(_ground(heights, x, y)[0]):
             return False
     return True
+
+
+@compiled
+def mark_steep(
+    heights: Floats, hit_t: Floats, hit_column: Floats, hit_row: Floats, per: Floats, limit: float, steep: Flags
+) -> None:
+    """Mark the pixels that see faces steeper than a limit: see `Seen.steep_pixels`."""
+    for row in range(hit_t.shape[0]):
+        for column in range(hit_t.shape[1]):
+            if math.isfinite(hit_t[row, column]):
+                _, across, down = _ground(heights, hit_column[row, column], hit_row[row, column])
+                east, north = _slopes(per, across, down)
+                steep[row, column] = east * east + north * north > limit * limit
 
 
 @compiled

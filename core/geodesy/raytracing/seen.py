@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.polynomial import polyval2d, polyvander2d
 
-from ...arrays import Flags, Floats
+from ...arrays import Flags, Floats, Numbers
 from ...external.compiling import uses_numba
 from ..mercator import PixelGrid, wrap_lon_deg
 from ..view import Samples, detail_groups, pixel_detail, sample_offsets
@@ -47,6 +47,19 @@ class Seen(NamedTuple):
             x, y = np.clip(column + across * wide, 0.0, columns), np.clip(row + down * high, 0.0, rows)
             has_ground &= np.isfinite(self.surface.heights(x, y))
         return has_ground
+
+    def steep_pixels(self) -> tuple[Numbers, Numbers]:
+        """Rows and columns of the pixels that see steep faces."""
+        if uses_numba():
+            from . import sampling
+
+            steep = np.zeros(self.hits.t.shape, bool)
+            sampling.mark_steep(self.surface.grid_heights_m, *self.hits, self.per_metre, STEEP, steep)
+            row, column = np.nonzero(steep)
+            return row, column
+        row, column = np.nonzero(np.isfinite(self.hits.t))
+        steep = np.hypot(*self.slopes(self.hits.column[row, column], self.hits.row[row, column])) > STEEP
+        return row[steep], column[steep]
 
     def face_edges(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Upper or lower ends of the steep faces at points (n,), whichever is nearer in height."""

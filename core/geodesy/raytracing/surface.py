@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Flags, Floats, NDArray
+from ...arrays import Flags, Floats, NDArray, Numbers
 from ...external.compiling import uses_numba
 from ..ellipsoid import WGS84, sight_lines, trace
 from ..mercator import PixelGrid
@@ -142,6 +142,16 @@ class Surface:
         corners: Floats = np.stack([a, b - a, c - a, (d - c) - (b - a)], axis=-1).reshape(-1, 4)
         return corners
 
+    def _corners(self, i: Numbers, j: Numbers) -> tuple[Floats, ...]:
+        """`corners_m` of cells (n,)."""
+        if not uses_numba():
+            return tuple(self.corners_m.take(i * self.cells[1] + j, axis=0).T)
+        # Compiled code leaves few cells to look at.
+        a, b, c, d = (
+            np.asarray(self.heights_m[i + down, j + right], np.float64) for down in (0, 1) for right in (0, 1)
+        )
+        return a, b - a, c - a, (d - c) - (b - a)
+
     @cached_property
     def lowest_m(self) -> float:
         """Lowest height."""
@@ -200,7 +210,7 @@ class Surface:
         inside = (column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows)
         x, y = np.where(inside, column, 0.0), np.where(inside, row, 0.0)
         i, j = (np.minimum(at.astype(np.int64), most - 1) for at, most in ((y, rows), (x, columns)))
-        a, b, c, d = self.corners_m.take(i * columns + j, axis=0).T
+        a, b, c, d = self._corners(i, j)
         x, y = x - j, y - i
         return np.where(inside, a + b * x + c * y + d * x * y, np.nan)
 
@@ -209,7 +219,7 @@ class Surface:
         rows, columns = self.cells
         i = np.clip(row.astype(np.int64), 0, rows - 1)
         j = np.clip(column.astype(np.int64), 0, columns - 1)
-        _, b, c, d = self.corners_m.take(i * columns + j, axis=0).T
+        _, b, c, d = self._corners(i, j)
         return b + d * (row - i), c + d * (column - j)
 
     def first_hits(self, start: Floats, coefficients: Floats, farthest: Floats) -> Hits:

@@ -377,14 +377,12 @@ class Tracing:
         """Pixels that see steep faces; `view` samples them at the edges of the faces."""
         found: list[Faces] = []
         for one in self._seen:
-            row, column = np.nonzero(np.isfinite(one.hits.t))
-            at_column, at_row = one.hits.column[row, column], one.hits.row[row, column]
-            slope_east, slope_north = one.slopes(at_column, at_row)
-            slope = np.hypot(slope_east, slope_north)
-            at = slope > STEEP
-            lat, lon = one.surface.places(*one.follow_faces(at_column[at], at_row[at], 1.0))
-            east, north = -slope_east[at] / slope[at], -slope_north[at] / slope[at]
-            found.append(Faces(row[at], column[at], lat, lon, east, north))
+            row, column = one.steep_pixels()
+            at = one.hits.column[row, column], one.hits.row[row, column]
+            east, north = one.slopes(*at)
+            slope = np.hypot(east, north)
+            lat, lon = one.surface.places(*one.follow_faces(*at, 1.0))
+            found.append(Faces(row, column, lat, lon, -east / slope, -north / slope))
         return Faces(*(np.concatenate(parts) for parts in zip(*found)))
 
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
