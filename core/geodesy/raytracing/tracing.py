@@ -17,8 +17,9 @@ from ..camera import Poses
 from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace
 from ..mercator import PixelGrid, wrap_lon_deg
 from ..view import ImageRays, View
+from .paths import Paths
 from .seen import STEEP, Seen
-from .surface import PixelRays, Surface
+from .surface import Hits, PixelRays, Surface
 
 #: Most cells of a ring; those of images of many pixels end sooner, and have larger cells.
 MOST_CELLS = 1 << 22
@@ -201,7 +202,9 @@ class Tracing:
         rays, (lat, lon), (level, up) = self.rays, self.place, self._ways
         found: list[Seen] = []
         unmet = np.ones((rays.height, rays.width), bool)
+        before = nearer = None
         for surface, begin_m, end_m in self.rings():
+            before, nearer = nearer, surface
             if not surface.has_ground:
                 continue
             if begin_m > _MARGIN * surface.away_m(lat, lon, self.height_m):
@@ -218,9 +221,9 @@ class Tracing:
             farthest = min(farthest, float(until[np.isfinite(after)].max()))
             hits = surface.image_hits(paths, rays, after, farthest, self.tolerance_px / 2.0)
             if begin_m > 0.0:
-                # The nearer ring's surface, whose cells are finer, may be lower where this one begins.
                 height_m = self.height_m + after * (up + 0.98 * after * level**2 / (2.0 * WGS84.a_m))
-                surface.begin_below(paths, rays, np.where(height_m <= surface.highest_m + 1.0, after, np.inf), hits)
+                low = np.where(height_m <= surface.highest_m + 1.0, after, np.inf)
+                self._begin_below(before, surface, paths, low, hits)
             with np.errstate(invalid="ignore"):
                 beyond = hits.t > until
             for values in hits:
@@ -240,6 +243,24 @@ class Tracing:
             for origin, per_x, per_y in zip(self.rays.origin, self.rays.per_x, self.rays.per_y)
         )
         return np.maximum(np.hypot(east, north), _LEAST), up
+
+    def _begin_below(self, before: Surface | None, surface: Surface, paths: Paths, after: Floats, hits: Hits) -> None:
+        """Record hits of rays that come in below a ring, above the lower ground of the ring before.
+
+        Rays that are below that ground, too, come from beneath.
+        """
+        unmet = np.isnan(hits.t)
+        surface.begin_below(paths, self.rays, after, hits)
+        row, column = np.nonzero(unmet & np.isfinite(hits.t))
+        if before is None or not len(row):
+            return
+        t = hits.t[row, column]
+        at_column, at_row, height = paths.evaluate(self.rays.directions(column + 0.5, row + 0.5), t)
+        ground = before.heights(*before.position(*surface.places(at_column, at_row)))
+        allowed = self.tolerance_px * min(float(np.linalg.norm(per)) for per in self.rays[1:3]) * t
+        beneath = ~(height >= ground - allowed)
+        for values in hits:
+            values[row[beneath], column[beneath]] = np.nan
 
     @cached_property
     def _reach(self) -> tuple[Floats, Floats, Floats]:

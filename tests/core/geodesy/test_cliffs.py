@@ -18,11 +18,15 @@ pytestmark = pytest.mark.usefixtures("ray_code")
 
 @pytest.mark.parametrize(
     "seeds",
-    sampled(
-        [range(first, first + 6) for first in range(0, 60, 6)]
-        + [pytest.param(range(first, first + 50), marks=pytest.mark.thorough) for first in range(60, 1060, 50)],
-        4,
-    ),
+    [
+        *sampled(
+            [range(first, first + 6) for first in range(0, 60, 6)]
+            + [pytest.param(range(first, first + 50), marks=pytest.mark.thorough) for first in range(60, 1060, 50)],
+            4,
+        ),
+        # Rays from beneath that reach the second ring.
+        (85, 497, 506, 565),
+    ],
     ids=lambda seeds: f"{seeds[0]}-{seeds[-1]}",
 )
 def test_random_scenes_with_cliffs(seeds):
