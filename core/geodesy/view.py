@@ -247,9 +247,8 @@ class View:
             for y, x in np.argwhere(covered).tolist():
                 yield left + x, top + y
             return
-        spans = self._tile_spans(part.zoom, u, *_extent(part))
         # Many pixels have equal spans: number the spans and take each once.
-        first_x, last_x, first_y, last_y = spans
+        first_x, last_x, first_y, last_y = self._tile_spans(part.zoom, u, *_extent(part))
         parts = (first_x - left, first_y - top, last_x - first_x, last_y - first_y)
         sizes = [int(one.max()) + 1 for one in parts]
         for x, y, wide, high in np.stack(np.unravel_index(_distinct(parts, sizes), sizes)).T.tolist():

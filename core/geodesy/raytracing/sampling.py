@@ -48,21 +48,17 @@ class SeenPixels(NamedTuple):
         return SeenPixels._make(part[:count] for part in self)
 
 
-@compiled
-def _twisted(heights: Floats, i: int, j: int, x: float, y: float) -> tuple[float, float, float]:
-    """Height at a point of a cell, and its rise per cell along rows and along columns."""
-    a = heights[i, j]
-    b, c = heights[i, j + 1] - a, heights[i + 1, j] - a
-    d = (heights[i + 1, j + 1] - heights[i + 1, j]) - b
-    return a + b * x + c * y + d * x * y, b + d * y, c + d * x
-
-
+# Not shared with `kernels`: numba keeps a module's code by its own file, and would not see the other's change.
 @compiled
 def _ground(heights: Floats, column: float, row: float) -> tuple[float, float, float]:
     """Height at a column and row within the surface, and its rise per cell along rows and along columns."""
     j = min(max(int(column), 0), heights.shape[1] - 2)
     i = min(max(int(row), 0), heights.shape[0] - 2)
-    return _twisted(heights, i, j, column - j, row - i)
+    x, y = column - j, row - i
+    a = heights[i, j]
+    b, c = heights[i, j + 1] - a, heights[i + 1, j] - a
+    d = (heights[i + 1, j + 1] - heights[i + 1, j]) - b
+    return a + b * x + c * y + d * x * y, b + d * y, c + d * x
 
 
 @compiled
