@@ -35,7 +35,7 @@ from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.surface import Surface
-from terrainav.core.geodesy.raytracing.tracing import ElevationModel, Tracing
+from terrainav.core.geodesy.raytracing.tracing import ElevationModel, Tracing, compile_code
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
@@ -252,6 +252,8 @@ def whole_image(elevation: tuple[str, ...], tilt: float, at: tuple[float, float]
 
 def images(dsm: str | None) -> None:
     """Print whole images a second over level ground and relief, with numpy and with numba in turns."""
+    # Else level ground is drawn without.
+    compile_code()
     with tempfile.TemporaryDirectory() as folder:
         grounds: list[tuple[str, tuple[str, ...], tuple[float, float]]] = [
             ("level", (), TOWN),

@@ -17,6 +17,7 @@ from ..imagery.placeholder import Placeholder, Provided, Repeats
 from ..imagery.source import Source
 from ..mission.export import write_plan
 from ..mission.plan import Plan
+from ..picture.camera_frame import load_code
 from ..storage.stores import is_address, store_path
 from ..waiting import cancellable
 from .images import CaptureJournal, ImageJournal
@@ -92,11 +93,8 @@ def capture(
         if count is not None and count < 1:
             raise InvalidInput("{0} {1}: must be 1 or more", count, what)
     root = store_path(folder)
-    if not plan.relief.is_level:
-        from ..geodesy.raytracing.tracing import compile_code
-
-        # Before time counts, by which the rest is estimated.
-        compile_code()
+    # Before time counts, by which the rest is estimated.
+    load_code(plan)
     reporter = Reporter(listener)
     with ExitStack() as opened:
         # Before images are made, waiting for an object store can be cancelled at once.

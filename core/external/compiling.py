@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -42,6 +43,11 @@ def numba_problem() -> Message | None:
 def uses_numba() -> bool:
     """Whether compiled code is used: numba is installed, fits numpy and is not switched off."""
     return numba_problem() is None and not _switched_off.get()
+
+
+def loaded_numba() -> bool:
+    """Whether compiled code is used where loading numba, which takes half a second, would not pay."""
+    return "numba" in sys.modules and uses_numba()
 
 
 @contextmanager

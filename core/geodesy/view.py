@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Flags, Floats, NDArray, Numbers
 from ..errors import InvalidInput
-from ..external.compiling import uses_numba
+from ..external.compiling import loaded_numba
 from ..limits import MAX_IMAGE_TILES
 from .accuracy import ImageGeometry, grazing, mesh_noise_px
 from .ellipsoid import GroundPoints, clearance, trace
@@ -238,7 +238,7 @@ class View:
         extent = (np.array([end]) for end in (part.du.min(), part.du.max(), part.v.min(), part.v.max()))
         left, right, top, bottom = (int(end[0]) for end in self._tile_spans(part.zoom, u, *extent))
         # Few pixels may lie far apart.
-        if uses_numba() and (right - left) * (bottom - top) <= 1 << 22:
+        if loaded_numba() and (right - left) * (bottom - top) <= 1 << 22:
             from .covered import mark_tiles
 
             covered = np.zeros((bottom - top + 1, right - left + 1), bool)

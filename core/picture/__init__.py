@@ -7,6 +7,7 @@ In reading order:
 - `camera_frame`: camera frames, resampled from tiles
 - `resampling`: values between an image's pixels
 - `taps`: bilinear values, compiled
+- `perspective`: perspective transforms, compiled
 - `heights`: opens the heights of a mission
 - `products`: depth, ground points, normals and faces of every pixel
 - `optics`: the camera of a picture: focal length, principal point, time

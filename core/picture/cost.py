@@ -16,7 +16,7 @@ from ..geodesy.footprint import ground_corners
 from ..imagery.source import Part, Window, tile_parts
 from ..mission.plan import Plan
 from ..timing import clock_step_s
-from .camera_frame import camera_parts, render
+from .camera_frame import camera_parts, load_code, render
 from .map_frame import assemble, capture_window
 
 
@@ -62,6 +62,7 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
         parts = tile_parts(window._replace(left_px=round(window.left_px), top_px=round(window.top_px)), plan.grid)
         blank = _blank(parts, bands)
         return Cost(footprints_s, _processor_s(lambda: assemble(window, parts, blank, bands)))
+    load_code(plan)
     view, lon = plan.views.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
     blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling

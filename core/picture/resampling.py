@@ -48,14 +48,14 @@ KERNELS: dict[str, tuple[Callable[[Floats], Floats], float]] = {
 }
 
 
-def _padding(channels: int, dtype: Any) -> int:
+def _padding(channels: int, dtype: Any, is_compiled: bool) -> int:
     """Number of channels to add, so that numpy copies pixels in chunks of 4 bytes, several times as fast as of 3."""
-    return 1 if dtype == np.uint8 and channels == 3 and not uses_numba() else 0
+    return 1 if dtype == np.uint8 and channels == 3 and not is_compiled else 0
 
 
-def blank_image(height: int, width: int, channels: int, dtype: Any) -> PixelValues:
+def blank_image(height: int, width: int, channels: int, dtype: Any, *, is_compiled: bool) -> PixelValues:
     """Zeros (height, width, channels), laid out so that `PackedImage` needs no copy."""
-    return np.zeros((height, width, channels + _padding(channels, dtype)), dtype)[..., :channels]
+    return np.zeros((height, width, channels + _padding(channels, dtype, is_compiled)), dtype)[..., :channels]
 
 
 class PackedImage:
@@ -65,13 +65,16 @@ class PackedImage:
     ----------
     image : array (h, w, c)
         Beyond its edges, its outermost pixels are repeated.
+    is_compiled : bool
+        Whether to sample with compiled code.
     """
 
-    def __init__(self, image: PixelValues) -> None:
+    def __init__(self, image: PixelValues, *, is_compiled: bool) -> None:
+        self._is_compiled = is_compiled
         self._height, self._width, self._channels = height, width, channels = image.shape
-        padded = channels + _padding(channels, image.dtype)
+        padded = channels + _padding(channels, image.dtype, is_compiled)
         if image.strides != (width * padded * image.itemsize, padded * image.itemsize, image.itemsize):
-            plain, image = image, blank_image(height, width, channels, image.dtype)
+            plain, image = image, blank_image(height, width, channels, image.dtype, is_compiled=is_compiled)
             image[...] = plain
         self._pixels = as_strided(image, (height * width, padded), image.strides[1:])
 
@@ -94,7 +97,7 @@ class PackedImage:
         taps = math.ceil(2.0 * reach)
         kind: Any = np.float32 if self._pixels.dtype == np.uint8 else np.float64
         values = np.empty((len(x_px), self._channels), kind)
-        if kernel == "bilinear" and uses_numba():
+        if kernel == "bilinear" and self._is_compiled:
             from .taps import interpolate
 
             interpolate(self._pixels.reshape(self._height, self._width, -1), x_px, y_px, np.empty(8, kind), values)
@@ -120,7 +123,7 @@ class PackedImage:
 
 def sample(image: PixelValues, x_px: Floats, y_px: Floats, kernel: str) -> Weights:
     """Interpolate an image (h, w, c) once: see `PackedImage.sample`."""
-    return PackedImage(image).sample(x_px, y_px, kernel)
+    return PackedImage(image, is_compiled=uses_numba()).sample(x_px, y_px, kernel)
 
 
 def _taps(

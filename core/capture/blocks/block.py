@@ -26,6 +26,7 @@ from ...imagery.source import Source
 from ...limits import MAX_RELIEF_BYTES
 from ...mission.parts import Terrain
 from ...mission.plan import Plan
+from ...picture.camera_frame import load_code
 from ...picture.heights import landscape_crs, terrain_heights
 from ...picture.optics import Exposures
 from ...resources import version
@@ -296,6 +297,7 @@ def make_block(block: Block) -> BlockResult:
     gathered = Gathered() if block.layout == WEBDATASET else None
     with closing(block.source.open()) as source:
         plan = _restore_heights(block)
+        load_code(plan)
         maker = ImageMaker(
             ImageParts(plan, source),
             destination,
