@@ -1,4 +1,4 @@
-"""Rays followed one by one, compiled: the same as `Surface.clear` and `Surface.search_cells`, several times as fast.
+"""Rays followed one by one, compiled: the same as `Surface.clear` and `Surface.search_cells`, many times as fast.
 
 Needs numba; see `compiling`.
 """
@@ -10,9 +10,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Flags, Floats
+from ...arrays import Floats, Numbers
 from ...external.compiling import compiled
-from .pyramid import Pyramid
+
+
+class Blocks(NamedTuple):
+    """Greatest heights in blocks of 2 x 2, 4 x 4, … cells; minus infinity without ground.
+
+    ``flat`` holds the levels one after the other; level i, from 1 on, begins at ``first[i]`` and has ``high[i]`` rows
+    and ``wide[i]`` columns. A level of one block is the last.
+    """
+
+    flat: Floats
+    first: Numbers
+    high: Numbers
+    wide: Numbers
+
+    @classmethod
+    def build(cls, heights_m: Floats) -> Blocks:
+        """Build the blocks of heights (rows, columns) at the corners of cells."""
+        shapes = [(heights_m.shape[0] - 1, heights_m.shape[1] - 1)]
+        while len(shapes) == 1 or max(shapes[-1]) > 1:
+            shapes.append((-(-shapes[-1][0] // 2), -(-shapes[-1][1] // 2)))
+        high, wide = np.array(shapes, np.int64).T.copy()
+        sizes = high * wide
+        sizes[0] = 0
+        blocks = cls(np.empty(int(sizes.sum()), heights_m.dtype), np.cumsum(sizes) - sizes, high, wide)
+        _fill_blocks(heights_m, blocks)
+        return blocks
 
 
 class Rules(NamedTuple):
@@ -23,6 +48,38 @@ class Rules(NamedTuple):
     speeding: float
     slowest: float
     most_steps: int
+
+
+@compiled
+def _fill_blocks(heights: Floats, blocks: Blocks) -> None:
+    """Fill in the greatest heights of all blocks."""
+    rows, columns = heights.shape
+    for level in range(1, len(blocks.first)):
+        high, wide, first = blocks.high[level], blocks.wide[level], blocks.first[level]
+        for i in range(high):
+            for j in range(wide):
+                top = -np.inf
+                if level == 1:
+                    for row in range(2 * i, min(2 * i + 3, rows)):
+                        for column in range(2 * j, min(2 * j + 3, columns)):
+                            # Comparisons with NaN are false.
+                            if heights[row, column] > top:
+                                top = heights[row, column]
+                else:
+                    below, across = blocks.high[level - 1], blocks.wide[level - 1]
+                    for row in range(2 * i, min(2 * i + 2, below)):
+                        for column in range(2 * j, min(2 * j + 2, across)):
+                            top = max(top, blocks.flat[blocks.first[level - 1] + row * across + column])
+                blocks.flat[first + i * wide + j] = top
+
+
+@compiled
+def _top(blocks: Blocks, level: int, i: int, j: int) -> float:
+    """Greatest height of a block, which may lie beside the surface."""
+    if i < 0 or j < 0 or i >= blocks.high[level] or j >= blocks.wide[level]:
+        return -np.inf
+    top: float = blocks.flat[blocks.first[level] + i * blocks.wide[level] + j]
+    return top
 
 
 @compiled
@@ -63,96 +120,71 @@ def _leaves(
 
 
 @compiled
-def _clear(
-    heights: Floats,
-    tops: Pyramid,
-    rules: Rules,
-    start: Floats,
-    c: Floats,
-    spread: Floats,
-    t: float,
-    end: float,
-    level: int,
-    least_level: int,
-) -> tuple[float, bool]:
-    """Follow a ray or a bundle while it certainly hits nothing: t, and whether it may hit something from there on."""
-    rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
-    is_bundle = spread.shape[0] > 0
-    bulge = abs(c[1, 2]) if c.shape[0] > 1 else 0.0
-    wide, widens, deep = 0.0, 0.0, 0.0
-    for _ in range(rules.most_steps):
-        x, y, h = _point(start, c, t)
-        per_x, per_y = _slope(c, 0, t), _slope(c, 1, t)
-        size = float(1 << level)
-        per_t = max(abs(per_x), abs(per_y))
-        if is_bundle:
-            wide, widens = _value(spread, 0, t), _slope(spread, 0, t)
-            per_t += widens
-        roomy = wide <= 0.5 * size
-        step = (size - wide) / (rules.speeding * max(per_t, rules.slowest)) if roomy else 0.0
-        ahead = min(t + step, end)
-        if is_bundle:
-            deep = _value(spread, 1, ahead)
-        j = min(max(math.floor(x / size), -1.0), tops.wide[level])
-        i = min(max(math.floor(y / size), -1.0), tops.high[level])
-        top = tops.flat[int(tops.first[level] + (i + 1.0) * (tops.wide[level] + 2) + (j + 1.0))]
-        over = h - deep - bulge * (ahead - t) ** 2 - top
-        fall = h - (start[2] + _value(c, 2, ahead))
-        free = roomy and over > max(fall, 0.0)
-        stuck = not free and (level <= least_level or not roomy)
-        gone = not stuck and (
-            (ahead >= end and free)
-            or _leaves(rows, columns, x, y, per_x, per_y, wide, widens)
-            or h + deep < rules.lowest_m - rules.touching_m
-        )
-        if free:
-            t, level = ahead, min(level + 1, len(tops.first) - 1)
-        else:
-            if roomy and over > 0.0:
-                t += over / fall * (ahead - t)
-            level = max(level - 1, least_level)
-        if stuck or gone:
-            return t, stuck
-    return t, True
+def _highest(blocks: Blocks, level: int, low_x: float, high_x: float, low_y: float, high_y: float) -> float:
+    """Greatest height of the blocks that a rectangle touches."""
+    size = 1.0 / (1 << level)
+    top = -np.inf
+    left = math.floor(min(max(low_x * size, 0.0), blocks.wide[level] - 1.0))
+    right = math.floor(min(max(high_x * size, 0.0), blocks.wide[level] - 1.0))
+    upper = math.floor(min(max(low_y * size, 0.0), blocks.high[level] - 1.0))
+    lower = math.floor(min(max(high_y * size, 0.0), blocks.high[level] - 1.0))
+    for i in range(int(upper), int(lower) + 1):
+        for j in range(int(left), int(right) + 1):
+            top = max(top, blocks.flat[blocks.first[level] + i * blocks.wide[level] + j])
+    return top
 
 
 @compiled
-def clear(
-    heights: Floats,
-    tops: Pyramid,
-    rules: Rules,
-    start: Floats,
-    c: Floats,
-    spread: Floats,
-    after: Floats,
-    farthest: Floats,
-    least_level: int,
-    t_found: Floats,
-    may_hit: Flags,
-) -> None:
-    """`Surface.clear` of rays, or of bundles where ``spread`` has coefficients; fills ``t_found`` and ``may_hit``."""
-    top_level = len(tops.first) - 1
-    # Rays from one point have one start.
-    each = 1 if start.shape[1] > 1 else 0
-    for ray in range(len(after)):
-        if after[ray] <= farthest[ray]:
-            # Single rays, and bundles that have been followed as parts of larger ones, start near the ground.
-            level = top_level if after[ray] == 0.0 else min(2, top_level)
-            if spread.shape[0] > 0:
-                while level < top_level and float(1 << level) < 4.0 * _value(spread[:, :, ray], 0, after[ray]):
-                    level += 1
-            t_found[ray], may_hit[ray] = _clear(
-                heights,
-                tops,
-                rules,
-                start[:, each * ray],
-                c[:, :, ray],
-                spread[:, :, ray if spread.shape[0] > 0 else 0],
-                after[ray],
-                farthest[ray],
-                level,
-                least_level,
-            )
+def _clear(
+    blocks: Blocks, rules: Rules, start: Floats, c: Floats, spread: Floats, t: float, end: float, level: int
+) -> float:
+    """Follow a bundle while it certainly hits nothing: t from which on it may hit something; infinite if it does not.
+
+    ``c`` is the middle ray; ``spread`` (degree, 2) are the largest distances of others from it, see `Surface.clear`.
+    """
+    rows, columns = blocks.high[0], blocks.wide[0]
+    top_level = len(blocks.first) - 1
+    while level < top_level and float(1 << level) < 4.0 * _value(spread, 0, t):
+        level += 1
+    bulge = abs(c[1, 2]) if c.shape[0] > 1 else 0.0
+    for count in range(rules.most_steps):
+        x, y, h = _point(start, c, t)
+        per_x, per_y = _slope(c, 0, t), _slope(c, 1, t)
+        size = float(1 << level)
+        wide, widens = _value(spread, 0, t), _slope(spread, 0, t)
+        # Blocks that are not much wider than the bundle allow only tiny steps.
+        roomy = wide <= 0.5 * size
+        per_t = rules.speeding * max(max(abs(per_x), abs(per_y)) + widens, rules.slowest)
+        step = (size - wide) / per_t if roomy else 0.0
+        ahead = min(t + step, end)
+        deep = _value(spread, 1, ahead)
+        # No ray of the bundle leaves this rectangle.
+        reach = wide + (rules.speeding - 1.0) * size + rules.speeding * widens * (ahead - t)
+        to_x, to_y = x + per_x * (ahead - t), y + per_y * (ahead - t)
+        top = _highest(
+            blocks, level, min(x, to_x) - reach, max(x, to_x) + reach, min(y, to_y) - reach, max(y, to_y) + reach
+        )
+        over = h - deep - bulge * (ahead - t) ** 2 - top
+        fall = h - (start[2] + _value(c, 2, ahead))
+        free = roomy and over > max(fall, 0.0)
+        stuck = not free and (level <= 1 or not roomy)
+        gone = not stuck and (
+            (ahead >= end and free)
+            or _leaves(rows, columns, x, y, per_x, per_y, wide, widens)
+            # Rays may begin below the surface.
+            or (count > 0 and h + deep < rules.lowest_m - rules.touching_m)
+        )
+        if free:
+            t, level = ahead, min(level + 1, top_level)
+        else:
+            if roomy and over > 0.0:
+                t += over / fall * (ahead - t)
+            level = max(level - 1, 1)
+        if stuck:
+            return t
+        if gone:
+            return np.inf
+    return t
 
 
 @compiled
@@ -160,6 +192,12 @@ def _cell(position: float, speed: float) -> int:
     """Index of the cell that a ray is in along one axis: the one before it, where it moves down from an edge."""
     cell = math.floor(position)
     return cell - 1 if speed < 0.0 and position == cell else cell
+
+
+@compiled
+def _within(position: float, block: int, level: int) -> int:
+    """Index of the cell at a position along one axis, within a block."""
+    return min(max(math.floor(position), block << level), ((block + 1) << level) - 1)
 
 
 @compiled
@@ -192,11 +230,11 @@ def _first_share(
 
 
 @compiled
-def _ways(x: float, y: float, per_x: float, per_y: float, i: int, j: int) -> tuple[float, float]:
-    """Ways of a ray, in t, to a cell's edge, along columns and along rows."""
-    to_x = (j + (1 if per_x > 0.0 else 0) - x) / per_x if per_x != 0.0 else np.inf
-    to_y = (i + (1 if per_y > 0.0 else 0) - y) / per_y if per_y != 0.0 else np.inf
-    return to_x, to_y
+def _is_ground(heights: Floats, i: int, j: int) -> bool:
+    """Whether a cell lies on the surface and has ground."""
+    if i < 0 or j < 0 or i >= heights.shape[0] - 1 or j >= heights.shape[1] - 1:
+        return False
+    return not math.isnan(heights[i, j] + heights[i, j + 1] + heights[i + 1, j] + heights[i + 1, j + 1])
 
 
 @compiled
@@ -217,7 +255,10 @@ def _share_of_cell(
 
     Positions count from the cell's upper left corner.
     """
-    a, at_right, below, across = heights[i, j], heights[i, j + 1], heights[i + 1, j], heights[i + 1, j + 1]
+    if i < 0 or j < 0 or i >= heights.shape[0] - 1 or j >= heights.shape[1] - 1:
+        return np.inf, False
+    a, at_right = float(heights[i, j]), float(heights[i, j + 1])
+    below, across = float(heights[i + 1, j]), float(heights[i + 1, j + 1])
     if math.isnan(a + at_right + below + across):
         return np.inf, False
     if min(h, h_next) > max(a, at_right, below, across):
@@ -229,97 +270,145 @@ def _share_of_cell(
 
 
 @compiled
-def _chord(start: Floats, c: Floats, t: float, last: float) -> tuple[float, float, float]:
-    """Change of column, row and height per t from t to ``last``."""
+def _per_cell(per_t: float) -> float:
+    """Way of a ray, in t, through a cell along one axis; infinite for a ray that does not move along it."""
+    return 1.0 / per_t if per_t != 0.0 else np.inf
+
+
+@compiled
+def _way(position: float, per_cell: float, block: int, level: int) -> float:
+    """Way of a ray, in t, to the edge of a block along one axis."""
+    if per_cell == np.inf:
+        return np.inf
+    return (float((block + (1 if per_cell > 0.0 else 0)) << level) - position) * per_cell
+
+
+@compiled
+def _chord(
+    start: Floats, c: Floats, t: float, longest: float, end: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Column, row and height of a ray at t, and where its chord from there ends: see `_search`; its rates per t."""
+    x, y, h = _point(start, c, t)
+    last = min((math.sqrt(t) + longest) ** 2, end)
+    if last < end:
+        per_x, per_y = _slope(c, 0, t), _slope(c, 1, t)
+        to_x = _way(x, _per_cell(per_x), _cell(x, per_x), 0)
+        to_y = _way(y, _per_cell(per_y), _cell(y, per_y), 0)
+        last = min(max(last, t + min(to_x, to_y)), end)
     # Over shorter ways, differences of positions are rounding.
     if last - t <= 1e-6 * last:
-        return _slope(c, 0, t), _slope(c, 1, t), _slope(c, 2, t)
-    (x, y, h), (x_last, y_last, h_last) = _point(start, c, t), _point(start, c, last)
-    return (x_last - x) / (last - t), (y_last - y) / (last - t), (h_last - h) / (last - t)
+        return x, y, h, last, _slope(c, 0, t), _slope(c, 1, t), _slope(c, 2, t)
+    per_t = 1.0 / (last - t)
+    x_last, y_last, h_last = _point(start, c, last)
+    return x, y, h, last, (x_last - x) * per_t, (y_last - y) * per_t, (h_last - h) * per_t
+
+
+@compiled
+def _next_cell(
+    heights: Floats, level: int, i: int, j: int, over: bool, is_across: bool, per_x: float, per_y: float
+) -> tuple[int, int, bool]:
+    """Cell that a ray enters from a block around cell i, j, along columns or along rows; whether it was over ground."""
+    if is_across:
+        block = j >> level
+        j = ((block + 1) << level) - 1 if per_x > 0.0 else block << level
+    else:
+        block = i >> level
+        i = ((block + 1) << level) - 1 if per_y > 0.0 else block << level
+    if level > 0:
+        over = _is_ground(heights, i, j)
+    if is_across:
+        return i, j + (1 if per_x > 0.0 else -1), over
+    return i + (1 if per_y > 0.0 else -1), j, over
 
 
 @compiled
 def _search(
     heights: Floats,
-    tops: Pyramid,
+    blocks: Blocks,
     rules: Rules,
     start: Floats,
     c: Floats,
     longest: float,
-    none: Floats,
     t: float,
     end: float,
+    level: int,
 ) -> tuple[float, float, float]:
     """t, column and row of the first hit of a ray.
 
-    The ray is cut into chords, each from t to (√t + ``longest``)², or through a cell if that is farther. ``none`` is an
-    empty spread for `_clear`.
+    The ray is cut into chords, each from t to (√t + ``longest``)², or through a cell if that is farther. A chord passes
+    blocks that lie below it, the larger the farther it is above them, and looks into the others.
     """
     rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
     nothing = np.nan, np.nan, np.nan
+    x, y, h, last, per_x, per_y, per_h = _chord(start, c, t, longest, end)
+    i, j, across, down = _cell(y, per_y), _cell(x, per_x), _per_cell(per_x), _per_cell(per_y)
     # Whether the ray was above ground in the cell before.
-    over, i, j = False, 0, 0
-    x, y, h, per_x, per_y, per_h, last = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t
-    for count in range(rules.most_steps):
-        is_new = count % 8 == 7
-        if is_new:
-            # Every eight cells, try again to skip whole blocks.
-            t, may_hit = _clear(heights, tops, rules, start, c, none, t, end, min(2, len(tops.first) - 1), 0)
-            if not may_hit:
-                return nothing
-        if is_new or t >= last:
-            x, y, h = _point(start, c, t)
-            per_x, per_y = _slope(c, 0, t), _slope(c, 1, t)
-            if is_new or count == 0:
-                i, j = _cell(y, per_y), _cell(x, per_x)
-            last = min(max((math.sqrt(t) + longest) ** 2, t + max(min(*_ways(x, y, per_x, per_y, i, j)), 0.0)), end)
-            per_x, per_y, per_h = _chord(start, c, t, last)
-        to_x, to_y = _ways(x, y, per_x, per_y, i, j)
-        t_next = t + max(min(to_x, to_y), 0.0)
-        moves = t_next <= last
-        t_next = min(t_next, last)
-        x_next, y_next, h_next = x + (t_next - t) * per_x, y + (t_next - t) * per_y, h + (t_next - t) * per_h
-        share, is_ground = np.inf, False
-        if 0 <= j < columns and 0 <= i < rows:
-            share, is_ground = _share_of_cell(
+    over = False
+    for _ in range(rules.most_steps):
+        to_x, to_y = _way(x, across, j >> level, level), _way(y, down, i >> level, level)
+        step = max(min(to_x, to_y), 0.0)
+        leaves = t + step <= last
+        if not leaves:
+            step = last - t
+        x_next, y_next, h_next = x + step * per_x, y + step * per_y, h + step * per_h
+        if level > 0:
+            top = _top(blocks, level, i >> level, j >> level)
+            if min(h, h_next) <= top:
+                if h > top:
+                    # Nothing is hit before the ray is as low as the block's top.
+                    step = (h - top) / -per_h
+                    t, x, y, h = t + step, x + step * per_x, y + step * per_y, top
+                    i, j = _within(y, i >> level, level), _within(x, j >> level, level)
+                level -= 1
+                continue
+        else:
+            share, over = _share_of_cell(
                 heights, i, j, over, rules.touching_m, x - j, y - i, h, x_next - j, y_next - i, h_next
             )
-        if share <= 1.0:
-            x, y = x + share * (x_next - x), y + share * (y_next - y)
-            # Rounding may put hits on the outermost edge of the surface beyond it.
-            return t + share * (t_next - t), min(max(x, 0.0), columns), min(max(y, 0.0), rows)
-        # Rays from beneath the ground have no share.
-        if math.isnan(share) or t_next >= end or _leaves(rows, columns, x, y, per_x, per_y, 0.0, 0.0):
+            if share <= 1.0:
+                x, y = x + share * (x_next - x), y + share * (y_next - y)
+                # Rounding may put hits on the outermost edge of the surface beyond it.
+                return t + share * step, min(max(x, 0.0), columns), min(max(y, 0.0), rows)
+            # Rays from beneath the ground have no share.
+            if math.isnan(share):
+                return nothing
+        t, x, y, h = t + step if leaves else last, x_next, y_next, h_next
+        if t >= end or h < rules.lowest_m - rules.touching_m or _leaves(rows, columns, x, y, per_x, per_y, 0.0, 0.0):
             return nothing
-        over = is_ground
-        if moves and to_x <= to_y:
-            j += 1 if per_x > 0.0 else -1
-        elif moves:
-            i += 1 if per_y > 0.0 else -1
-        t, x, y, h = t_next, x_next, y_next, h_next
+        block_i, block_j = i >> level, j >> level
+        i, j = _within(y, block_i, level), _within(x, block_j, level)
+        if leaves:
+            i, j, over = _next_cell(heights, level, i, j, over, to_x <= to_y, per_x, per_y)
+            above = level + 1
+            # A larger block begins where the ray leaves the one around it.
+            if above < len(blocks.first) and (i >> above != block_i >> 1 or j >> above != block_j >> 1):
+                level = above
+        if t >= last:
+            x, y, h, last, per_x, per_y, per_h = _chord(start, c, t, longest, end)
+            across, down = _per_cell(per_x), _per_cell(per_y)
     return nothing
 
 
 @compiled
-def search_cells(
+def search(
     heights: Floats,
-    tops: Pyramid,
+    blocks: Blocks,
     rules: Rules,
     start: Floats,
     c: Floats,
-    after: Floats,
+    longest: Floats,
     farthest: Floats,
-    none: Floats,
     found: Floats,
 ) -> None:
-    """`Surface.search_cells`: fills in t, column and row of the first hits, (3, n)."""
+    """`Surface.first_hits`: fills in t, column and row of the first hits, (3, n)."""
+    # Rays from one point have one start.
     each = 1 if start.shape[1] > 1 else 0
-    for ray in range(len(after)):
-        # Where t is infinite, nothing is searched.
-        if after[ray] < np.inf:
-            found[0, ray], found[1, ray], found[2, ray] = _search(
-                heights, tops, rules, start[:, each * ray], c[:, :, ray], 0.0, none, after[ray], farthest[ray]
-            )
+    level = len(blocks.first) - 1
+    for ray in range(len(farthest)):
+        hit = _search(
+            heights, blocks, rules, start[:, each * ray], c[:, :, ray], longest[ray], 0.0, farthest[ray], level
+        )
+        found[0, ray], found[1, ray], found[2, ray] = hit
 
 
 @compiled
@@ -345,66 +434,145 @@ def _fill_ray(lines: Floats, x_px: float, c: Floats) -> None:
             c[power, axis] = total
 
 
+class Scratch(NamedTuple):
+    """Room for coefficients: of a row of pixels (degree, 3, k), of two rays (degree, 3), and a spread (degree, 2)."""
+
+    lines: Floats
+    c: Floats
+    corner: Floats
+    spread: Floats
+
+    @classmethod
+    def blank(cls, degree: int) -> Scratch:
+        """Make room for paths of a degree."""
+        c, corner = np.empty((2, degree, 3))
+        return cls(np.empty((degree, 3, degree + 1)), c, corner, np.empty((degree, 2)))
+
+
+@compiled
+def _fill_bundle(forms: Floats, left: float, top: float, right: float, bottom: float, scratch: Scratch) -> None:
+    """Fill in the middle ray of a bundle of pixels, and the spread of the others around it."""
+    lines, c, corner, spread = scratch
+    _fill_lines(forms, 0.5 * (top + bottom), lines)
+    _fill_ray(lines, 0.5 * (left + right), c)
+    spread[:] = 0.0
+    for y in (top, bottom):
+        _fill_lines(forms, y, lines)
+        for x in (left, right):
+            _fill_ray(lines, x, corner)
+            for power in range(len(forms)):
+                # 0.1 % more for rays between the corners of a bundle.
+                across, down, deep = (
+                    1.001 * abs(corner[power, 0] - c[power, 0]),
+                    1.001 * abs(corner[power, 1] - c[power, 1]),
+                    1.001 * abs(corner[power, 2] - c[power, 2]),
+                )
+                spread[power, 0] = max(spread[power, 0], across, down)
+                spread[power, 1] = max(spread[power, 1], deep)
+
+
+@compiled
+def _least(values: Floats, top: int, bottom: int, left: int, right: int) -> float:
+    """Least value in a box."""
+    least = np.inf
+    for row in range(top, bottom):
+        for column in range(left, right):
+            least = min(least, values[row, column])
+    return least
+
+
+@compiled
+def _begins_below(heights: Floats, start: Floats, c: Floats, t: float) -> tuple[bool, float, float]:
+    """Whether a ray is below the surface at t; its column and row there."""
+    x, y, h = _point(start, c, t)
+    rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
+    if not (0.0 <= x <= columns and 0.0 <= y <= rows):
+        return False, x, y
+    i, j = min(int(y), rows - 1), min(int(x), columns - 1)
+    a, b, below = heights[i, j], heights[i, j + 1] - heights[i, j], heights[i + 1, j] - heights[i, j]
+    twist = heights[i + 1, j + 1] - heights[i + 1, j] - b
+    return a + b * (x - j) + below * (y - i) + twist * (x - j) * (y - i) >= h, x, y
+
+
 @compiled
 def image_hits(
     heights: Floats,
-    tops: Pyramid,
+    blocks: Blocks,
     rules: Rules,
     start: Floats,
     forms: Floats,
     longest: float,
     after: Floats,
-    bundles: Floats,
-    side: int,
     farthest: float,
-    lines: Floats,
-    c: Floats,
-    none: Floats,
+    begins: bool,
+    sides: tuple[int, int],
+    scratch: Scratch,
     found: Floats,
 ) -> None:
     """Fill in t, column and row of the first hits of an image's pixels, (3, height, width).
 
-    ``forms`` (degree, 3, k, k) are those of `PixelRays.forms`; ``bundles`` are t before which no ray of a bundle of
-    ``side`` px hits anything.
+    ``forms`` (degree, 3, k, k) are those of `PixelRays.forms`; ``sides`` are those of bundles, px. See
+    `Surface.image_hits` for the rest.
     """
     height, width = after.shape
-    for row in range(height):
-        _fill_lines(forms, row + 0.5, lines)
-        for column in range(width):
-            t = max(bundles[row // side, column // side], after[row, column])
-            if t == np.inf:
+    large, small = sides
+    top_level = len(blocks.first) - 1
+    for top in range(0, height, large):
+        for left in range(0, width, large):
+            bottom, right = min(top + large, height), min(left + large, width)
+            least = _least(after, top, bottom, left, right)
+            if least > farthest:
                 continue
-            _fill_ray(lines, column + 0.5, c)
-            hit = _search(heights, tops, rules, start, c, longest, none, t, farthest)
-            found[0, row, column], found[1, row, column], found[2, row, column] = hit
+            _fill_bundle(forms, left, top, right, bottom, scratch)
+            t_large = _clear(blocks, rules, start, scratch.c, scratch.spread, least, farthest, top_level)
+            if t_large == np.inf:
+                continue
+            for upper in range(top, bottom, small):
+                for first in range(left, right, small):
+                    _search_bundle(
+                        heights, blocks, rules, start, forms, longest, after, farthest, begins, t_large,
+                        (upper, min(upper + small, bottom), first, min(first + small, right)), scratch, found,
+                    )  # fmt: skip
 
 
 @compiled
-def begin_below(
+def _search_bundle(
     heights: Floats,
+    blocks: Blocks,
+    rules: Rules,
     start: Floats,
     forms: Floats,
+    longest: float,
     after: Floats,
-    lines: Floats,
-    c: Floats,
-    hit_t: Floats,
-    hit_column: Floats,
-    hit_row: Floats,
+    farthest: float,
+    begins: bool,
+    t_large: float,
+    box: tuple[int, int, int, int],
+    scratch: Scratch,
+    found: Floats,
 ) -> None:
-    """`Surface.begin_below`: fills in hits, (height, width) each."""
-    rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
-    for row in range(after.shape[0]):
-        _fill_lines(forms, row + 0.5, lines)
-        for column in range(after.shape[1]):
-            t = after[row, column]
-            if t == np.inf or not math.isnan(hit_t[row, column]):
+    """Fill in the hits of a small bundle of pixels, of a large one that hits nothing before ``t_large``."""
+    top, bottom, left, right = box
+    least = _least(after, top, bottom, left, right)
+    if least > farthest:
+        return
+    top_level = len(blocks.first) - 1
+    level, t_begin = (min(2, top_level), t_large) if t_large >= least else (top_level, least)
+    _fill_bundle(forms, left, top, right, bottom, scratch)
+    t_small = _clear(blocks, rules, start, scratch.c, scratch.spread, t_begin, farthest, level)
+    if t_small == np.inf:
+        return
+    for row in range(top, bottom):
+        _fill_lines(forms, row + 0.5, scratch.lines)
+        for column in range(left, right):
+            t = max(t_small, after[row, column])
+            if t > farthest:
                 continue
-            _fill_ray(lines, column + 0.5, c)
-            x, y, h = _point(start, c, t)
-            if not (0.0 <= x <= columns and 0.0 <= y <= rows):
-                continue
-            i, j = min(int(y), rows - 1), min(int(x), columns - 1)
-            a, b, below = heights[i, j], heights[i, j + 1] - heights[i, j], heights[i + 1, j] - heights[i, j]
-            twist = heights[i + 1, j + 1] - heights[i + 1, j] - b
-            if a + b * (x - j) + below * (y - i) + twist * (x - j) * (y - i) >= h:
-                hit_t[row, column], hit_column[row, column], hit_row[row, column] = t, x, y
+            _fill_ray(scratch.lines, column + 0.5, scratch.c)
+            if begins and t == after[row, column]:
+                is_below, x, y = _begins_below(heights, start, scratch.c, t)
+                if is_below:
+                    found[0, row, column], found[1, row, column], found[2, row, column] = t, x, y
+                    continue
+            hit = _search(heights, blocks, rules, start, scratch.c, longest, t, farthest, min(1, top_level))
+            found[0, row, column], found[1, row, column], found[2, row, column] = hit

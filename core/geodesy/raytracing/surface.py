@@ -16,10 +16,12 @@ from .paths import Paths, evaluate, fit_paths, interpolate_rays
 from .pyramid import Pyramid
 
 if TYPE_CHECKING:
-    from .kernels import Rules
+    from .kernels import Blocks, Rules
 
 #: Sides, px, of square bundles of pixels followed together; each bundle leads the smaller ones in it near the ground.
 _BUNDLES_PX = (64, 16, 4)
+#: The same for compiled code.
+_COMPILED_BUNDLES_PX = (32, 8)
 #: Rows of pixels followed at a time: their data fits a processor's cache.
 _STRIPE_PX = 32
 #: Iterations of Newton's method.
@@ -28,6 +30,8 @@ _TURNS = 3
 _MOST_STEPS = 1 << 14
 #: Depth below a surface that rounding explains; deeper rays come from beneath, beyond the edge of the surface.
 _TOUCHING_M = 1e-6
+#: Metres per t by which chords may leave single rays, and share of an image's tolerance for its rays.
+_CHORD, _CHORD_SHARE = 1e-8, 0.1
 #: Factor on the speed of rays for its growth within a step.
 _SPEEDING = 1.01
 #: Least speed by which to divide.
@@ -193,16 +197,16 @@ class Surface:
     @cached_property
     def grid_heights_m(self) -> Floats:
         """Heights as `kernels` take them."""
-        return np.ascontiguousarray(self.heights_m, np.float64)
+        kind = np.float32 if self.heights_m.dtype == np.float32 else np.float64
+        return np.ascontiguousarray(self.heights_m, kind)
 
     @cached_property
-    def _grids(self) -> tuple[Floats, Pyramid, Rules]:
-        """What `kernels` need of the surface."""
-        from .kernels import Rules
+    def _blocks(self) -> tuple[Blocks, Rules]:
+        """What `kernels` need of the surface beside its heights."""
+        from .kernels import Blocks, Rules
 
-        rules = Rules(self.lowest_m, _TOUCHING_M, _SPEEDING, _SLOWEST, _MOST_STEPS)
-        tops = self._tops._replace(flat=self._tops.flat.astype(np.float64, copy=False))
-        return self.grid_heights_m, tops, rules
+        blocks = Blocks.build(self.grid_heights_m)
+        return blocks, Rules(self.lowest_m, _TOUCHING_M, _SPEEDING, _SLOWEST, _MOST_STEPS)
 
     def heights(self, column: Floats, row: Floats) -> Floats:
         """Heights at columns and rows (n,); NaN without ground."""
@@ -224,8 +228,29 @@ class Surface:
 
     def first_hits(self, start: Floats, coefficients: Floats, farthest: Floats) -> Hits:
         """First hits of rays, given by the coefficients of their paths, up to t (n,)."""
+        if uses_numba():
+            from . import kernels
+
+            longest = self._longest(start, np.abs(coefficients), farthest, _CHORD)
+            found = np.full((3, len(farthest)), np.nan)
+            starts, ways = _columns(start), np.ascontiguousarray(coefficients)
+            kernels.search(self.grid_heights_m, *self._blocks, starts, ways, longest, farthest, found)
+            return Hits(*found)
         t, _ = self.clear(start, coefficients, np.zeros(len(farthest)), farthest, None, 0)
         return self.search_cells(start, coefficients, t, farthest)
+
+    def _longest(self, start: Floats, most: Floats, farthest: Floats | float, off_per_t: float) -> Floats:
+        """Longest chords of rays, in √t, that leave them by at most ``off_per_t`` metres per t.
+
+        ``most`` (degree, 3, n) are bounds of the coefficients. A chord from t to u is off by at most half the second
+        derivative times (√u - √t)², per t: a third of what is allowed along each axis.
+        """
+        place = self.places(*start.reshape(3, -1)[:2, :1])
+        cell = float(self.grid.ground_m_per_px(*place, self.zoom)[0])
+        allowed = off_per_t / 3.0 / np.array([[cell], [cell], [1.0]])
+        with np.errstate(divide="ignore"):
+            longest: Floats = np.sqrt(2.0 * allowed / _bends(most, farthest)).min(axis=0)
+        return longest
 
     def first_points(
         self, lat_deg: Floats, lon_deg: Floats, height_m: Floats, rays_enu: Floats, lowest_m: float
@@ -340,13 +365,22 @@ class Surface:
         world = self.grid.world_px(self.zoom)
         return self.grid.plane.inverse((column + self.left_px + 0.5) / world, (row + self.top_px + 0.5) / world)
 
-    def image_hits(self, paths: Paths, rays: PixelRays, after: Floats, farthest: float, tolerance_px: float) -> Hits:
+    def image_hits(
+        self,
+        paths: Paths,
+        rays: PixelRays,
+        after: Floats,
+        farthest: float,
+        tolerance_px: float,
+        *,
+        begins: bool = False,
+    ) -> Hits:
         """First hits of the rays through the pixel centres of an image, (height, width) each.
 
         Pixels are followed in bundles; each starts at the point before which the larger one certainly hits nothing. If
         rays fall more steeply than the ground around them, there is exactly one hit: the tangent plane at the hit of a
         bundle's middle ray gives a guess for the others, which Newton's method refines. Other rays continue from cell
-        to cell.
+        to cell. Compiled code follows each ray through blocks of cells, see `kernels`.
 
         Parameters
         ----------
@@ -358,8 +392,52 @@ class Surface:
             t up to which hits count.
         tolerance_px : float
             Largest error of hits along the ray, in pixels of the image.
+        begins : bool
+            Whether rays that are below the surface at ``after`` hit it there.
         """
         forms = rays.forms(paths)
+        close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
+        if uses_numba():
+            return self._compiled_hits(paths.start, forms, rays, after, farthest, close, begins)
+        hits = self._bundled_hits(paths.start, forms, rays, after, farthest, close)
+        if begins:
+            self._begin_below(paths, rays, after, hits)
+        return hits
+
+    def _compiled_hits(
+        self,
+        start: Floats,
+        forms: list[Floats],
+        rays: PixelRays,
+        after: Floats,
+        farthest: float,
+        close: float,
+        begins: bool,
+    ) -> Hits:
+        from . import kernels
+
+        corners = _on_grid(forms, *(np.array([0.0, side]) for side in (rays.width, rays.height)))
+        most = np.abs(corners).max(axis=(2, 3))[..., np.newaxis]
+        (longest,) = self._longest(start, most, farthest, _CHORD_SHARE * close)
+        found = np.full((3, *after.shape), np.nan)
+        kernels.image_hits(
+            self.grid_heights_m,
+            *self._blocks,
+            start,
+            _padded(forms),
+            longest,
+            after,
+            farthest,
+            begins,
+            _COMPILED_BUNDLES_PX,
+            kernels.Scratch.blank(len(forms)),
+            found,
+        )
+        return Hits(*found)
+
+    def _bundled_hits(
+        self, start: Floats, forms: list[Floats], rays: PixelRays, after: Floats, farthest: float, close: float
+    ) -> Hits:
         least, finer = [after], 1
         for side in _BUNDLES_PX[::-1]:
             least.append(_least(least[-1], side // finer))
@@ -382,43 +460,18 @@ class Surface:
             spread = 1.001 * np.stack([spread[:, :2].max(axis=1), spread[:, 2]], axis=1)
             flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
             begin = t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
-            ends = np.full(begin.size, farthest)
             clear, may_hit = self.clear(
-                paths.start, middle.reshape(flat), begin.ravel(), ends, spread.reshape(pairs), 0
+                start, middle.reshape(flat), begin.ravel(), np.full(begin.size, farthest), spread.reshape(pairs), 0
             )
             t, larger = np.where(may_hit, clear, np.inf).reshape(middle.shape[2:]), side
             if np.isinf(t).all():
                 return Hits(*(np.full(after.shape, np.nan) for _ in range(3)))
-        close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
-        if uses_numba():
-            from . import kernels
-
-            place = self.places(*paths.start[:2, np.newaxis])
-            cell = float(self.grid.ground_m_per_px(*place, self.zoom)[0])
-            # A chord from t to u is off by at most half the second derivative times (√u - √t)², per t: a tenth of the
-            # tolerance, a third of it along each axis.
-            off_per_t = 0.1 / 3.0 * close / np.array([cell, cell, 1.0])
-            bend = _bends(np.abs(corners).max(axis=(2, 3)), farthest)
-            with np.errstate(divide="ignore"):
-                longest = float(np.sqrt(2.0 * off_per_t / bend).min())
-            padded = _padded(forms)
-            found = np.full((3, *after.shape), np.nan)
-            scratch = np.empty(padded.shape[:3]), np.empty(padded.shape[:2]), np.empty((0, 2))
-            kernels.image_hits(*self._grids, paths.start, padded, longest, after, t, side, farthest, *scratch, found)
-            return Hits(*found)
-        falls = self._falling(paths.start, middle.reshape(flat), spread.reshape(pairs), t.ravel(), farthest)
+        falls = self._falling(start, middle.reshape(flat), spread.reshape(pairs), t.ravel(), farthest)
         falling = [one.reshape(t.shape) for one in falls]
-        return self._pixels(paths.start, forms, rays, (after, t, *falling), farthest, tolerance_px)
+        return self._pixels(start, forms, rays, (after, t, *falling), farthest, close)
 
-    def begin_below(self, paths: Paths, rays: PixelRays, after: Floats, hits: Hits) -> None:
-        """Record hits of the rays that are below the surface at the t from which hits count: see `image_hits`."""
-        if uses_numba():
-            from . import kernels
-
-            forms = _padded(rays.forms(paths))
-            scratch = np.empty(forms.shape[:3]), np.empty(forms.shape[:2])
-            kernels.begin_below(self.grid_heights_m, paths.start, forms, after, *scratch, *hits)
-            return
+    def _begin_below(self, paths: Paths, rays: PixelRays, after: Floats, hits: Hits) -> None:
+        """Record hits of the rays that are below the surface at the t from which hits count."""
         row, column = np.nonzero(np.isfinite(after) & np.isnan(hits.t))
         t = after[row, column]
         at_column, at_row, height = paths.evaluate(rays.directions(column + 0.5, row + 0.5), t)
@@ -463,13 +516,12 @@ class Surface:
         rays: PixelRays,
         bundles: tuple[Floats, ...],
         farthest: float,
-        tolerance_px: float,
+        close: float,
     ) -> Hits:
         """First hits of the pixels of bundles that hit nothing before t; t is infinite if they hit nothing at all."""
         after, t, falls, reach = bundles
         side = _BUNDLES_PX[-1]
         found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
-        close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         x_px = np.arange(rays.width) + 0.5
         for top in range(0, rays.height, _STRIPE_PX):
             bottom = min(top + _STRIPE_PX, rays.height)
@@ -593,24 +645,6 @@ class Surface:
         may_hit : array (n,) of bool
             Whether the ray may hit something from t on.
         """
-        if uses_numba():
-            from . import kernels
-
-            spreads = np.empty((0, 2, 1)) if spread is None else spread
-            after = np.asarray(after, np.float64)
-            t_found, may_hit = after.copy(), np.zeros(len(after), bool)
-            kernels.clear(
-                *self._grids,
-                _columns(start),
-                np.ascontiguousarray(coefficients),
-                spreads,
-                after,
-                farthest,
-                least_level,
-                t_found,
-                may_hit,
-            )
-            return t_found, may_hit
         tops = self._tops
         t_found, may_hit = np.array(after, np.float64), np.zeros(len(after), bool)
         index = np.flatnonzero(after <= farthest)
@@ -682,15 +716,6 @@ class Surface:
 
     def search_cells(self, start: Floats, coefficients: Floats, after: Floats, farthest: Floats) -> Hits:
         """First hits, searched cell by cell from where `clear` stopped; none where ``after`` is infinite."""
-        if uses_numba():
-            from . import kernels
-
-            hits = np.full((3, len(after)), np.nan)
-            nothing = np.empty((0, 2))
-            kernels.search_cells(
-                *self._grids, _columns(start), np.ascontiguousarray(coefficients), after, farthest, nothing, hits
-            )
-            return Hits(*hits)
         n = len(after)
         found = Hits(*(np.full(n, np.nan) for _ in range(3)))
         rows, columns = self.cells
@@ -811,9 +836,9 @@ def _padded(forms: list[Floats]) -> Floats:
     return np.stack([np.pad(form, [(0, 0), *2 * [(0, degree - power)]]) for power, form in enumerate(forms, 1)])
 
 
-def _bends(coefficients: Floats, end: float) -> Floats:
-    """Bounds of the second derivatives of polynomials from 0 to ``end``, from bounds (degree, n) of coefficients."""
-    total: Floats = np.zeros(coefficients.shape[1])
+def _bends(coefficients: Floats, end: Floats | float) -> Floats:
+    """Bounds of the second derivatives of polynomials from 0 to ``end``, from bounds (degree, …) of coefficients."""
+    total: Floats = np.zeros(coefficients.shape[1:])
     for power in range(len(coefficients), 1, -1):
         total = total * end + power * (power - 1) * coefficients[power - 1]
     return total

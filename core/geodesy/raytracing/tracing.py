@@ -219,11 +219,9 @@ class Tracing:
                 continue
             paths, farthest, _ = surface.paths(lat, lon, self.height_m, rays, self.tolerance_px / 2.0, end_m)
             farthest = min(farthest, float(until[np.isfinite(after)].max()))
-            hits = surface.image_hits(paths, rays, after, farthest, self.tolerance_px / 2.0)
-            if begin_m > 0.0:
-                height_m = self.height_m + after * (up + 0.98 * after * level**2 / (2.0 * WGS84.a_m))
-                low = np.where(height_m <= surface.highest_m + 1.0, after, np.inf)
-                self._begin_below(before, surface, paths, low, hits)
+            hits = surface.image_hits(paths, rays, after, farthest, self.tolerance_px / 2.0, begins=begin_m > 0.0)
+            if begin_m > 0.0 and before is not None:
+                self._drop_from_beneath(before, surface, paths, after, hits)
             with np.errstate(invalid="ignore"):
                 beyond = hits.t > until
             for values in hits:
@@ -244,15 +242,10 @@ class Tracing:
         )
         return np.maximum(np.hypot(east, north), _LEAST), up
 
-    def _begin_below(self, before: Surface | None, surface: Surface, paths: Paths, after: Floats, hits: Hits) -> None:
-        """Record hits of rays that come in below a ring, above the lower ground of the ring before.
-
-        Rays that are below that ground, too, come from beneath.
-        """
-        unmet = np.isnan(hits.t)
-        surface.begin_below(paths, self.rays, after, hits)
-        row, column = np.nonzero(unmet & np.isfinite(hits.t))
-        if before is None or not len(row):
+    def _drop_from_beneath(self, before: Surface, surface: Surface, paths: Paths, after: Floats, hits: Hits) -> None:
+        """Drop hits where a ring begins of rays that are also below the ground of the ring before."""
+        row, column = np.nonzero(hits.t == after)
+        if not len(row):
             return
         t = hits.t[row, column]
         at_column, at_row, height = paths.evaluate(self.rays.directions(column + 0.5, row + 0.5), t)
