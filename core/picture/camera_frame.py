@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -74,12 +75,80 @@ class _Ground:
     missing: NDArray[np.bool_] | None
     left_px: int
     top_px: int
-    is_compiled: bool
 
     @cached_property
-    def packed(self) -> PackedImage:
-        """The pixels, to be sampled."""
-        return PackedImage(self.pixels, is_compiled=self.is_compiled)
+    def _packed(self) -> PackedImage:
+        return PackedImage(self.pixels, is_compiled=False)
+
+    def draw(self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, kernel: str) -> None:
+        """Fill pixels (n,) of a picture, each with the mean of its samples (n, k)."""
+        x_px, y_px = x.ravel(), y.ravel()
+        if self.missing is not None:
+            height, width = self.missing.shape
+            near = np.clip(y_px.astype(np.intp), 0, height - 1), np.clip(x_px.astype(np.intp), 0, width - 1)
+            _refuse_missing(int(np.count_nonzero(self.missing[near])))
+        values = self._packed.sample(x_px, y_px, kernel).reshape(*x.shape, picture.shape[2]).mean(axis=1)
+        picture[row, column] = fitted(values, picture.dtype)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tiles:
+    """Tiles of one zoom that a picture needs, sampled by compiled code where they are: joining takes longer.
+
+    Attributes
+    ----------
+    tiles : list of array
+        Pixels, kept in memory.
+    addresses, depths : array (rows, columns) of int64
+        Where the pixels of each tile begin in memory, and their channels. Black where there is none.
+    """
+
+    tiles: list[PixelValues]
+    addresses: Numbers
+    depths: Numbers
+    size_px: int
+    left_px: int
+    top_px: int
+
+    @classmethod
+    def found(
+        cls, zoom: int, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands, size_px: int
+    ) -> _Tiles:
+        """Find the tiles in memory."""
+        of_zoom = [part for part in parts if part.window.zoom == zoom]
+        offsets = np.array([(part.dy_px, part.dx_px) for part in of_zoom])
+        top, left = offsets.min(axis=0).tolist()
+        place = tuple(((offsets - (top, left)) // size_px).T)
+        blank = np.zeros((size_px, size_px, len(bands)), bands.dtype)
+        tiles = [np.ascontiguousarray(checked(part.window, pixels[part.window], bands)) for part in of_zoom]
+        addresses, depths = (
+            np.full([int(index.max()) + 1 for index in place], value) for value in (blank.ctypes.data, len(bands))
+        )
+        addresses[place], depths[place] = [tile.ctypes.data for tile in tiles], [tile.shape[2] for tile in tiles]
+        return cls([blank, *tiles], addresses, depths, size_px, left, top)
+
+    def draw(self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, _: str) -> None:
+        """Fill pixels (n,) of a picture, each with the mean of its samples (n, k)."""
+        from .taps import gather
+
+        channels, kind = picture.shape[2], np.float32 if picture.dtype == np.uint8 else np.float64
+        limits = (-np.inf, np.inf)
+        if picture.dtype.kind != "f":
+            limits = float(np.iinfo(picture.dtype).min), float(np.iinfo(picture.dtype).max)
+        missing = gather(
+            self.addresses,
+            self.depths,
+            self.size_px,
+            x,
+            y,
+            row,
+            column,
+            bool((self.depths > channels).any()),
+            limits,
+            np.empty(channels, kind),
+            picture,
+        )
+        _refuse_missing(missing)
 
 
 def render(
@@ -114,23 +183,26 @@ def render(
     PartError
         A part has a wrong size, or lacks imagery that the picture shows.
     """
-    is_warped, is_compiled = view.rays is None and bool(view.patches), loaded_numba()
-    grounds = {
-        zoom: _ground(zoom, parts, pixels, bands, is_warped=is_warped, is_compiled=is_compiled)
-        for zoom in {part.window.zoom for part in parts}
-    }
     u = float(view.grid.meridian_u(np.asarray(lon_deg)))
     picture = np.zeros((view.height_px, view.width_px, len(bands)), bands.dtype)
-    for patches in view.patches:
-        ground = grounds[patches.zoom]
-        if view.rays is None:
-            warp = _warp_compiled if is_compiled and kernel != "bicubic" else _warp
-            warp(picture, patches, ground, view.grid, u, kernel)
+    warp = _warp_compiled if loaded_numba() and kernel != "bicubic" else _warp
+    is_warped = view.rays is None
+    joined = {
+        zoom: _ground(zoom, parts, pixels, bands, is_warped=True)
+        for zoom in {patches.zoom for patches in view.patches if is_warped}
+    }
+    for patches in view.patches if is_warped else ():
+        warp(picture, patches, joined[patches.zoom], view.grid, u, kernel)
+    sampled: dict[int, _Ground | _Tiles] = {}
+    for samples in chain(*map(view.traced, view.patches), view.samples):
+        zoom = samples.zoom
+        if zoom in sampled:
+            pass
+        elif loaded_numba() and kernel == "bilinear":
+            sampled[zoom] = _Tiles.found(zoom, parts, pixels, bands, view.grid.tile_px)
         else:
-            for traced in view.traced(patches):
-                _gather(picture, traced, ground, view.grid, u, kernel)
-    for samples in view.samples:
-        _gather(picture, samples, grounds[samples.zoom], view.grid, u, kernel)
+            sampled[zoom] = joined.get(zoom) or _ground(zoom, parts, pixels, bands, is_warped=False)
+        _gather(picture, samples, sampled[zoom], view.grid, u, kernel)
     return picture
 
 
@@ -141,7 +213,6 @@ def _ground(
     bands: Bands,
     *,
     is_warped: bool,
-    is_compiled: bool,
 ) -> _Ground:
     """Join the tiles of one zoom, without padding if they are warped, else for sampling."""
     of_zoom = [part for part in parts if part.window.zoom == zoom]
@@ -150,7 +221,7 @@ def _ground(
     bottom = max(part.dy_px + part.window.height_px for part in of_zoom)
     count = len(bands)
     size = bottom - top, right - left, count
-    ground = np.zeros(size, bands.dtype) if is_warped else blank_image(*size, bands.dtype, is_compiled=is_compiled)
+    ground = np.zeros(size, bands.dtype) if is_warped else blank_image(*size, bands.dtype)
     missing: NDArray[np.bool_] | None = None
     for part in of_zoom:
         tile = checked(part.window, pixels[part.window], bands)
@@ -160,7 +231,7 @@ def _ground(
         if tile.shape[2] > count and not tile[..., count].all():
             missing = np.zeros(ground.shape[:2], bool) if missing is None else missing
             missing[rows, columns] = tile[..., count] == 0
-    return _Ground(ground, missing, left, top, is_compiled)
+    return _Ground(ground, missing, left, top)
 
 
 def _refuse_missing(count: int) -> None:
@@ -283,19 +354,16 @@ def _perspectives(x: Floats, y: Floats, width: Numbers, height: Numbers) -> Floa
     return np.stack(columns, axis=1)
 
 
-def _gather(picture: PixelValues, samples: Samples, ground: _Ground, grid: PixelGrid, u: float, kernel: str) -> None:
+def _gather(
+    picture: PixelValues, samples: Samples, ground: _Ground | _Tiles, grid: PixelGrid, u: float, kernel: str
+) -> None:
     """Fill single pixels, each with the mean of its samples."""
     world = grid.world_px(samples.zoom)
     count = samples.du.shape[1]
-    height, width = ground.pixels.shape[:2]
     # 65,536 samples at a time, to bound memory.
     batch = max((1 << 16) // count, 1)
     for start in range(0, len(samples.row), batch):
         part = slice(start, start + batch)
-        x = (u + samples.du[part].ravel()) * world - ground.left_px
-        y = samples.v[part].ravel() * world - ground.top_px
-        if ground.missing is not None:
-            near = ground.missing[np.clip(y.astype(np.intp), 0, height - 1), np.clip(x.astype(np.intp), 0, width - 1)]
-            _refuse_missing(int(np.count_nonzero(near)))
-        values = ground.packed.sample(x, y, kernel).reshape(-1, count, picture.shape[2]).mean(axis=1)
-        picture[samples.row[part], samples.column[part]] = fitted(values, picture.dtype)
+        x = (u + samples.du[part]) * world - ground.left_px
+        y = samples.v[part] * world - ground.top_px
+        ground.draw(picture, samples.row[part], samples.column[part], x, y, kernel)

@@ -1,16 +1,19 @@
-"""Camera frames of level ground: compiled code draws what Pillow draws, and is loaded where that pays."""
+"""Camera frames by compiled code: the pixels of Pillow and numpy. Over level ground it is loaded where that pays."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from terrainav.core.bands import Bands
 from terrainav.core.errors import PartError
 from terrainav.core.external import compiling
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.view import Patches
+from terrainav.core.geodesy.view import Patches, Samples, View
+from terrainav.core.imagery.source import Part, Window
 from terrainav.core.picture import camera_frame
 
 needs_numba = pytest.mark.skipif(not compiling.uses_numba(), reason="numba is not installed")
@@ -28,7 +31,7 @@ def patches(rng, wide, high):
 
 def pictures(patch, pixels, kernel, missing=None):
     """The same picture by Pillow and by compiled code."""
-    ground = camera_frame._Ground(pixels, missing, 0, 0, is_compiled=True)
+    ground = camera_frame._Ground(pixels, missing, 0, 0)
     found = []
     for warp in (camera_frame._warp, camera_frame._warp_compiled):
         picture = np.zeros((24, 32, pixels.shape[2]), pixels.dtype)
@@ -64,9 +67,79 @@ def test_missing_imagery_is_refused_as_without():
     missing[25:30, 40:45] = True
     reasons = []
     for warp in (camera_frame._warp, camera_frame._warp_compiled):
-        ground = camera_frame._Ground(pixels, missing, 0, 0, is_compiled=True)
+        ground = camera_frame._Ground(pixels, missing, 0, 0)
         with pytest.raises(PartError) as refused:
             warp(np.zeros((24, 32, 3), np.uint8), patches(np.random.default_rng(1), 1, 2), ground, GRID, 0.0, "nearest")
+        reasons.append(str(refused.value))
+    assert reasons[0] == reasons[1]
+
+
+TILE_PX = GRID.tile_px
+VALUES = {"uint8": (0, 256), "uint16": (0, 65536), "int16": (-32768, 32768), "float32": (-10000, 10000)}
+
+
+def drawn(rng, tiles, bands, samples):
+    """The same pixels, sampled in three of four tiles and around them, by numpy and by compiled code."""
+    places = list(tiles)
+    parts = [Part(Window(ZOOM, x, y, TILE_PX, TILE_PX), x, y) for x, y in places]
+    pixels = {part.window: tile for part, tile in zip(parts, tiles.values())}
+    row, column = np.divmod(rng.permutation(24 * 32)[:500], 32)
+    du = rng.uniform(-9.0, 2.0 * TILE_PX + 9.0, (500, samples))
+    # On the middle of a border, and of pixels, too.
+    du[0], du[1] = TILE_PX, TILE_PX - 0.5
+    v = np.where(du < TILE_PX - 5, 1.0, 0.5) * rng.uniform(-9.0, 2.0 * TILE_PX - 9.0, (500, samples))
+    world = GRID.world_px(ZOOM)
+    seen = Samples(ZOOM, row, column, (du + TILE_PX) / world, (v + TILE_PX) / world)
+    found = []
+    for ground in (
+        camera_frame._ground(ZOOM, parts, pixels, bands, is_warped=False),
+        camera_frame._Tiles.found(ZOOM, parts, pixels, bands, TILE_PX),
+    ):
+        picture = np.zeros((24, 32, len(bands)), bands.dtype)
+        camera_frame._gather(picture, seen, ground, GRID, 0.0, "bilinear")
+        found.append(picture)
+    return found
+
+
+def tiles_of(rng, data_type, channels, depths=(0, 0, 0)):
+    """Tiles of 2 columns and 2 rows without the lower right one, some with a mask."""
+    places = [(TILE_PX, TILE_PX), (2 * TILE_PX, TILE_PX), (TILE_PX, 2 * TILE_PX)]
+    made = {}
+    for place, more in zip(places, depths):
+        tile = rng.integers(*VALUES[data_type], (TILE_PX, TILE_PX, channels + more)).astype(data_type)
+        tile[..., channels:] = 1
+        made[place] = tile
+    return made
+
+
+@needs_numba
+@pytest.mark.parametrize("samples", [1, 2, 4, 16])
+@pytest.mark.parametrize(
+    ("data_type", "channels"), [("uint8", 3), ("uint8", 2), ("uint16", 4), ("int16", 2), ("float32", 3)]
+)
+def test_samples_of_tiles_are_those_of_joined_ones_to_the_last_bit(samples, data_type, channels):
+    rng = np.random.default_rng([samples, channels])
+    bands = Bands(tuple(map(str, range(channels))), data_type, (0,))
+    for depths in ((0, 0, 0), (1, 0, 1)):
+        wanted, found = drawn(rng, tiles_of(rng, data_type, channels, depths), bands, samples)
+        assert wanted.any()
+        assert np.array_equal(found, wanted)
+
+
+@needs_numba
+def test_samples_without_imagery_are_refused_as_without():
+    bands = Bands(("grey", "nir"), "uint8", (0,))
+    tiles = tiles_of(np.random.default_rng(0), "uint8", 2, (1, 1, 0))
+    tiles[TILE_PX, TILE_PX][90:100, :, 2] = 0
+    parts = [Part(Window(ZOOM, x, y, TILE_PX, TILE_PX), x, y) for x, y in tiles]
+    pixels = {part.window: tile for part, tile in zip(parts, tiles.values())}
+    place = np.random.default_rng(2).uniform(1.1, 1.9, (2, 400, 4)) * TILE_PX / GRID.world_px(ZOOM)
+    seen = Samples(ZOOM, np.arange(400) // 20, np.arange(400) % 20, *place)
+    view = View(20, 20, GRID, (), (seen,), None, None, 0.0)
+    reasons = []
+    for code in (compiling.without_numba(), nullcontext()):
+        with code, pytest.raises(PartError) as refused:
+            camera_frame.render(view, -180.0, parts, pixels, "bilinear", bands)
         reasons.append(str(refused.value))
     assert reasons[0] == reasons[1]
 
