@@ -23,6 +23,8 @@ NEAREST_PX = 2.0**0.5
 #: Binary logarithm of the most samples along an axis that are averaged to a pixel of slanted ground; ground that needs
 #: more has a lower zoom.
 MOST_POWER = 3
+#: Bits of `Detail.kinds` for the samples along each axis.
+KIND_BITS = MOST_POWER + 1
 #: Pixels that any kernel reaches to either side of a sample (3), and one for the mesh's error.
 KERNEL_REACH_PX = 4
 #: Rays traced at a time.
@@ -39,6 +41,18 @@ class Detail(NamedTuple):
     zoom: Numbers
     samples_x: Numbers
     samples_y: Numbers
+
+    @property
+    def kinds(self) -> Numbers:
+        """One number (k,) for each zoom and numbers of samples."""
+        kinds: Numbers = (((self.zoom << KIND_BITS) + self.samples_x) << KIND_BITS) + self.samples_y
+        return kinds
+
+    @classmethod
+    def of_kinds(cls, kinds: Numbers) -> Detail:
+        """Detail that `kinds` stand for."""
+        most = (1 << KIND_BITS) - 1
+        return cls(kinds >> 2 * KIND_BITS, kinds >> KIND_BITS & most, kinds & most)
 
 
 class Patches(NamedTuple):
@@ -340,9 +354,10 @@ def fitting_detail(span: float, grid: PixelGrid, zooms: tuple[int, int]) -> int:
 
 def detail_groups(detail: Detail) -> Iterator[tuple[int, int, int, NDArray[np.intp]]]:
     """Yield zoom, samples along x and y, and member indices of each group of equal detail."""
-    key = (detail.zoom << 8) + (detail.samples_x << 4) + detail.samples_y
-    for kind in np.flatnonzero(np.bincount(key)).tolist():
-        yield kind >> 8, kind >> 4 & 15, kind & 15, np.flatnonzero(key == kind)
+    kinds = detail.kinds
+    found = np.flatnonzero(np.bincount(kinds))
+    for kind, zoom, samples_x, samples_y in np.stack([found, *Detail.of_kinds(found)], axis=1).tolist():
+        yield zoom, samples_x, samples_y, np.flatnonzero(kinds == kind)
 
 
 def _patches(cells: Cells, grid: PixelGrid, zooms: tuple[int, int]) -> Iterator[Patches]:

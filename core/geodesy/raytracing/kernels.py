@@ -502,7 +502,7 @@ def image_hits(
     start: Floats,
     forms: Floats,
     longest: float,
-    after: Floats,
+    spans: tuple[Floats, Floats],
     farthest: float,
     begins: bool,
     sides: tuple[int, int],
@@ -514,13 +514,13 @@ def image_hits(
     ``forms`` (degree, 3, k, k) are those of `PixelRays.forms`; ``sides`` are those of bundles, px. See
     `Surface.image_hits` for the rest.
     """
-    height, width = after.shape
+    height, width = spans[0].shape
     large, small = sides
     top_level = len(blocks.first) - 1
     for top in range(0, height, large):
         for left in range(0, width, large):
             bottom, right = min(top + large, height), min(left + large, width)
-            least = _least(after, top, bottom, left, right)
+            least = _least(spans[0], top, bottom, left, right)
             if least > farthest:
                 continue
             _fill_bundle(forms, left, top, right, bottom, scratch)
@@ -530,7 +530,7 @@ def image_hits(
             for upper in range(top, bottom, small):
                 for first in range(left, right, small):
                     _search_bundle(
-                        heights, blocks, rules, start, forms, longest, after, farthest, begins, t_large,
+                        heights, blocks, rules, start, forms, longest, spans, farthest, begins, t_large,
                         (upper, min(upper + small, bottom), first, min(first + small, right)), scratch, found,
                     )  # fmt: skip
 
@@ -543,7 +543,7 @@ def _search_bundle(
     start: Floats,
     forms: Floats,
     longest: float,
-    after: Floats,
+    spans: tuple[Floats, Floats],
     farthest: float,
     begins: bool,
     t_large: float,
@@ -553,6 +553,7 @@ def _search_bundle(
 ) -> None:
     """Fill in the hits of a small bundle of pixels, of a large one that hits nothing before ``t_large``."""
     top, bottom, left, right = box
+    after, until = spans
     least = _least(after, top, bottom, left, right)
     if least > farthest:
         return
@@ -565,8 +566,8 @@ def _search_bundle(
     for row in range(top, bottom):
         _fill_lines(forms, row + 0.5, scratch.lines)
         for column in range(left, right):
-            t = max(t_small, after[row, column])
-            if t > farthest:
+            t, end = max(t_small, after[row, column]), until[row, column]
+            if t > end:
                 continue
             _fill_ray(scratch.lines, column + 0.5, scratch.c)
             if begins and t == after[row, column]:
@@ -574,5 +575,5 @@ def _search_bundle(
                 if is_below:
                     found[0, row, column], found[1, row, column], found[2, row, column] = t, x, y
                     continue
-            hit = _search(heights, blocks, rules, start, scratch.c, longest, t, farthest, min(1, top_level))
+            hit = _search(heights, blocks, rules, start, scratch.c, longest, t, end, min(1, top_level))
             found[0, row, column], found[1, row, column], found[2, row, column] = hit

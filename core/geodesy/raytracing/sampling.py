@@ -10,16 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Flags, Floats, Numbers
+from ...arrays import Floats, Numbers
 from ...external.compiling import compiled
-from ..view import MOST_POWER, NEAREST_PX
-
-#: Samples of one kind are numbered by zoom, and samples along x and y, in four bits each.
-_ZOOM_BITS = 8
 
 
 class SeenPixels(NamedTuple):
-    """SeenPixels (n,) to be sampled, filled by kernels.
+    """Pixels (n,) to be sampled, filled by kernels.
 
     Attributes
     ----------
@@ -111,16 +107,35 @@ def _has_ground(heights: Floats, per: Floats, column: float, row: float, steps: 
 
 
 @compiled
-def mark_steep(
-    heights: Floats, hit_t: Floats, hit_column: Floats, hit_row: Floats, per: Floats, limit: float, steep: Flags
-) -> None:
-    """Mark the pixels that see faces steeper than a limit: see `Seen.steep_pixels`."""
+def steep_faces(
+    heights: Floats,
+    hit_t: Floats,
+    hit_column: Floats,
+    hit_row: Floats,
+    per: Floats,
+    steep: float,
+    pixels: Numbers,
+    faces: Floats,
+) -> int:
+    """Fill in the pixels that see steep faces, and return their number: see `Seen.steep_faces`.
+
+    ``pixels`` (2, n) are rows and columns; ``faces`` (4, n) the columns and rows of the faces' upper ends, and the
+    slopes eastward and northward.
+    """
+    count = 0
     for row in range(hit_t.shape[0]):
         for column in range(hit_t.shape[1]):
-            if math.isfinite(hit_t[row, column]):
-                _, across, down = _ground(heights, hit_column[row, column], hit_row[row, column])
-                east, north = _slopes(per, across, down)
-                steep[row, column] = east * east + north * north > limit * limit
+            if not math.isfinite(hit_t[row, column]):
+                continue
+            x, y = hit_column[row, column], hit_row[row, column]
+            _, across, down = _ground(heights, x, y)
+            east, north = _slopes(per, across, down)
+            if east * east + north * north > steep * steep:
+                pixels[0, count], pixels[1, count] = row, column
+                faces[2, count], faces[3, count] = east, north
+                faces[0, count], faces[1, count], _ = _face_end(heights, per, x, y, 1.0, steep)
+                count += 1
+    return count
 
 
 @compiled
@@ -171,10 +186,18 @@ def seen_pixels(
 
 
 @compiled
-def _samples_along(span: float, world: float, zoom: int) -> int:
-    """Samples of a pixel along one axis: see `view.pixel_detail`."""
-    share, power = math.frexp(span * (world / NEAREST_PX))
-    return 1 << min(max(power + zoom - (1 if share == 0.5 else 0), 0), MOST_POWER)
+def _power(value: float, power: int, low: float) -> tuple[int, float]:
+    """Exponent of the least power of two above a value, and that power's half; those of a value before, if they fit."""
+    if low <= value < 2.0 * low:
+        return power, low
+    _, power = math.frexp(value)
+    return power, math.ldexp(0.5, power)
+
+
+@compiled
+def _power_along(power: int, zoom: int, is_exact: bool, most_power: int) -> int:
+    """Binary logarithm of the samples of a pixel along one axis: see `view.pixel_detail`."""
+    return min(max(power + zoom - (1 if is_exact else 0), 0), most_power)
 
 
 @compiled
@@ -185,12 +208,19 @@ def detail(
     factors: Floats,
     turn: Floats,
     world: float,
-    lowest_zoom: int,
-    highest_zoom: int,
+    zooms: tuple[int, int],
+    nearest_px: float,
+    most_power: int,
+    kind_bits: int,
     kinds: Numbers,
 ) -> None:
-    """Move pixels from a surface to a source's plane, and fill in the kind of each: zoom and samples along x and y."""
-    degrees, tiny = factors.shape[1], 2.2250738585072014e-308
+    """Move pixels from a surface to a source's plane, and fill in the kind of each: see `view.Detail`.
+
+    ``nearest_px, most_power`` are the constants of `view`, and ``kind_bits`` those of `view.Detail.kinds`.
+    """
+    degrees, tiny, finest_px = factors.shape[1], 2.2250738585072014e-308, 0.5**most_power
+    # Neighbours have the same powers of two as a rule.
+    power, low, power_x, low_x, power_y, low_y = 0, 0.0, 0, 0.0, 0, 0.0
     for pixel in range(len(kinds)):
         x, y = (pixels.x[pixel] - middle[0]) / half[0], (pixels.y[pixel] - middle[1]) / half[1]
         u, v = 0.0, 0.0
@@ -208,16 +238,23 @@ def detail(
         per_x = math.sqrt(across * across + down * down)
         across, down = pixels.steps[pixel, 2], pixels.steps[pixel, 3]
         per_y = math.sqrt(across * across + down * down)
-        finest = max(max(min(per_x, per_y), max(per_x, per_y) / (1 << MOST_POWER)) * world, tiny)
-        zoom = min(max(math.frexp(NEAREST_PX / finest)[1] - 1, lowest_zoom), highest_zoom)
-        samples_x, samples_y = _samples_along(per_x, world, zoom), _samples_along(per_y, world, zoom)
-        kinds[pixel] = (zoom << _ZOOM_BITS) + (samples_x << 4) + samples_y
+        finest = max(max(min(per_x, per_y), max(per_x, per_y) * finest_px) * world, tiny)
+        power, low = _power(nearest_px / finest, power, low)
+        zoom = min(max(power - 1, zooms[0]), zooms[1])
+        per_x, per_y = per_x * (world / nearest_px), per_y * (world / nearest_px)
+        power_x, low_x = _power(per_x, power_x, low_x)
+        power_y, low_y = _power(per_y, power_y, low_y)
+        log_x = _power_along(power_x, zoom, per_x == low_x, most_power)
+        log_y = _power_along(power_y, zoom, per_y == low_y, most_power)
+        kinds[pixel] = (((zoom << kind_bits) + (1 << log_x)) << kind_bits) + (1 << log_y)
 
 
 @compiled
 def spread_samples(
     pixels: SeenPixels,
     kinds: Numbers,
+    samples_x: Numbers,
+    samples_y: Numbers,
     next_pixel: Numbers,
     next_sample: Numbers,
     row: Numbers,
@@ -227,20 +264,21 @@ def spread_samples(
 ) -> None:
     """Sort pixels by kind, and spread samples evenly over each.
 
-    ``next_pixel, next_sample`` are, by kind, where its pixels and samples begin; they are moved on.
+    ``samples_x, samples_y`` are, by kind, the samples of its pixels, and ``next_pixel, next_sample`` are where its
+    pixels and samples begin; they are moved on.
     """
     for pixel in range(len(kinds)):
         kind = kinds[pixel]
-        samples_x, samples_y = kind >> 4 & 15, kind & 15
+        wide, high = samples_x[kind], samples_y[kind]
         at = next_pixel[kind]
         next_pixel[kind] = at + 1
         row[at], column[at] = pixels.row[pixel], pixels.column[pixel]
         at = next_sample[kind]
-        next_sample[kind] = at + samples_x * samples_y
-        for below in range(samples_y):
-            off_y = (below + 0.5) / samples_y - 0.5
-            for beside in range(samples_x):
-                off_x = (beside + 0.5) / samples_x - 0.5
+        next_sample[kind] = at + wide * high
+        for below in range(high):
+            off_y = (below + 0.5) / high - 0.5
+            for beside in range(wide):
+                off_x = (beside + 0.5) / wide - 0.5
                 du[at] = pixels.x[pixel] + pixels.steps[pixel, 0] * off_x + pixels.steps[pixel, 2] * off_y
                 v[at] = pixels.y[pixel] + pixels.steps[pixel, 1] * off_x + pixels.steps[pixel, 3] * off_y
                 at += 1

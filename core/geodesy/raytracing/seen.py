@@ -10,7 +10,7 @@ from numpy.polynomial.polynomial import polyval2d, polyvander2d
 from ...arrays import Flags, Floats, Numbers
 from ...external.compiling import uses_numba
 from ..mercator import PixelGrid, wrap_lon_deg
-from ..view import Samples, detail_groups, pixel_detail, sample_offsets
+from ..view import KIND_BITS, MOST_POWER, NEAREST_PX, Detail, Samples, detail_groups, pixel_detail, sample_offsets
 from .surface import Hits, PixelRays, Surface
 
 #: Slope, metres per metre, above which faces cannot be seen from above: no map shows their colours.
@@ -48,18 +48,24 @@ class Seen(NamedTuple):
             has_ground &= np.isfinite(self.surface.heights(x, y))
         return has_ground
 
-    def steep_pixels(self) -> tuple[Numbers, Numbers]:
-        """Rows and columns of the pixels that see steep faces."""
+    def steep_faces(self) -> tuple[Numbers, Floats]:
+        """Pixels that see steep faces: rows and columns (2, n), and what they see (4, n).
+
+        That is columns and rows of the faces' upper ends on the surface, and slopes eastward and northward.
+        """
+        row, column = np.nonzero(np.isfinite(self.hits.t))
         if uses_numba():
             from . import sampling
 
-            steep = np.zeros(self.hits.t.shape, bool)
-            sampling.mark_steep(self.surface.grid_heights_m, *self.hits, self.per_metre, STEEP, steep)
-            row, column = np.nonzero(steep)
-            return row, column
-        row, column = np.nonzero(np.isfinite(self.hits.t))
-        steep = np.hypot(*self.slopes(self.hits.column[row, column], self.hits.row[row, column])) > STEEP
-        return row[steep], column[steep]
+            pixels, faces = np.empty((2, len(row)), np.int64), np.empty((4, len(row)))
+            heights = self.surface.grid_heights_m
+            count = sampling.steep_faces(heights, *self.hits, self.per_metre, STEEP, pixels, faces)
+            return pixels[:, :count], faces[:, :count]
+        slopes = np.stack(self.slopes(self.hits.column[row, column], self.hits.row[row, column]))
+        steep = np.hypot(*slopes) > STEEP
+        row, column = row[steep], column[steep]
+        ends = self.follow_faces(self.hits.column[row, column], self.hits.row[row, column], 1.0)
+        return np.stack([row, column]), np.stack([*ends, *slopes[:, steep]])
 
     def face_edges(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Upper or lower ends of the steep faces at points (n,), whichever is nearer in height."""
@@ -155,20 +161,23 @@ class Seen(NamedTuple):
         to_plane = _fit_plane(self.surface, grid, lon_deg, pixels.x, pixels.y)
         turn = to_plane.slopes(pixels.x, pixels.y) @ self.per_metre
         kinds = np.empty(count, np.int64)
-        sampling.detail(pixels, *to_plane.coefficients, turn, float(grid.world_px(0)), *zooms, kinds)
+        world = float(grid.world_px(0))
+        sampling.detail(pixels, *to_plane.coefficients, turn, world, zooms, NEAREST_PX, MOST_POWER, KIND_BITS, kinds)
         counts = np.bincount(kinds)
-        every = np.arange(len(counts))
-        sizes = (every >> 4 & 15) * (every & 15)
-        first_pixel, first_sample = (np.cumsum(one) - one for one in (counts, counts * sizes))
+        each = Detail.of_kinds(np.arange(len(counts)))
+        first_pixel = np.cumsum(counts) - counts
+        samples = counts * each.samples_x * each.samples_y
+        first_sample = np.cumsum(samples) - samples
         row, column = np.empty((2, count), np.int64)
-        du, v = np.empty((2, int(counts @ sizes)))
-        sampling.spread_samples(pixels, kinds, first_pixel.copy(), first_sample.copy(), row, column, du, v)
+        du, v = np.empty((2, int(samples.sum())))
+        begin = first_pixel.copy(), first_sample.copy()
+        sampling.spread_samples(pixels, kinds, each.samples_x, each.samples_y, *begin, row, column, du, v)
         found = []
         for kind in np.flatnonzero(counts).tolist():
             some = slice(first_pixel[kind], first_pixel[kind] + counts[kind])
-            each = slice(first_sample[kind], first_sample[kind] + counts[kind] * sizes[kind])
-            shape = counts[kind], sizes[kind]
-            found.append(Samples(kind >> 8, row[some], column[some], du[each].reshape(shape), v[each].reshape(shape)))
+            all_samples = slice(first_sample[kind], first_sample[kind] + samples[kind])
+            du_each, v_each = (at[all_samples].reshape(counts[kind], -1) for at in (du, v))
+            found.append(Samples(int(each.zoom[kind]), row[some], column[some], du_each, v_each))
         return found, faces
 
 

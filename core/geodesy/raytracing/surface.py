@@ -369,8 +369,7 @@ class Surface:
         self,
         paths: Paths,
         rays: PixelRays,
-        after: Floats,
-        farthest: float,
+        spans: tuple[Floats, Floats],
         tolerance_px: float,
         *,
         begins: bool = False,
@@ -386,22 +385,25 @@ class Surface:
         ----------
         paths : Paths
             Paths of column, row and height.
-        after : array (height, width)
-            t from which hits count; infinite to skip a pixel.
-        farthest : float
-            t up to which hits count.
+        spans : tuple of array (height, width)
+            t from which and up to which hits count; the first is infinite to skip a pixel.
         tolerance_px : float
             Largest error of hits along the ray, in pixels of the image.
         begins : bool
-            Whether rays that are below the surface at ``after`` hit it there.
+            Whether rays that are below the surface where their spans begin hit it there.
         """
-        forms = rays.forms(paths)
+        forms, (after, until) = rays.forms(paths), spans
+        farthest = float(np.max(until, where=np.isfinite(after), initial=0.0))
         close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         if uses_numba():
-            return self._compiled_hits(paths.start, forms, rays, after, farthest, close, begins)
+            return self._compiled_hits(paths.start, forms, rays, spans, farthest, close, begins)
         hits = self._bundled_hits(paths.start, forms, rays, after, farthest, close)
         if begins:
             self._begin_below(paths, rays, after, hits)
+        with np.errstate(invalid="ignore"):
+            beyond = hits.t > until
+        for values in hits:
+            values[beyond] = np.nan
         return hits
 
     def _compiled_hits(
@@ -409,7 +411,7 @@ class Surface:
         start: Floats,
         forms: list[Floats],
         rays: PixelRays,
-        after: Floats,
+        spans: tuple[Floats, Floats],
         farthest: float,
         close: float,
         begins: bool,
@@ -419,14 +421,14 @@ class Surface:
         corners = _on_grid(forms, *(np.array([0.0, side]) for side in (rays.width, rays.height)))
         most = np.abs(corners).max(axis=(2, 3))[..., np.newaxis]
         (longest,) = self._longest(start, most, farthest, _CHORD_SHARE * close)
-        found = np.full((3, *after.shape), np.nan)
+        found = np.full((3, rays.height, rays.width), np.nan)
         kernels.image_hits(
             self.grid_heights_m,
             *self._blocks,
             start,
             _padded(forms),
             longest,
-            after,
+            spans,
             farthest,
             begins,
             _COMPILED_BUNDLES_PX,

@@ -218,14 +218,10 @@ class Tracing:
             if np.isinf(after).all():
                 continue
             paths, farthest, _ = surface.paths(lat, lon, self.height_m, rays, self.tolerance_px / 2.0, end_m)
-            farthest = min(farthest, float(until[np.isfinite(after)].max()))
-            hits = surface.image_hits(paths, rays, after, farthest, self.tolerance_px / 2.0, begins=begin_m > 0.0)
+            spans = after, np.minimum(until, farthest)
+            hits = surface.image_hits(paths, rays, spans, self.tolerance_px / 2.0, begins=begin_m > 0.0)
             if begin_m > 0.0 and before is not None:
                 self._drop_from_beneath(before, surface, paths, after, hits)
-            with np.errstate(invalid="ignore"):
-                beyond = hits.t > until
-            for values in hits:
-                values[beyond] = np.nan
             unmet &= np.isnan(hits.t)
             found.append(Seen(surface, hits, paths.forms[0][:2, :2]))
             if not unmet.any():
@@ -391,11 +387,9 @@ class Tracing:
         """Pixels that see steep faces; `view` samples them at the edges of the faces."""
         found: list[Faces] = []
         for one in self._seen:
-            row, column = one.steep_pixels()
-            at = one.hits.column[row, column], one.hits.row[row, column]
-            east, north = one.slopes(*at)
+            (row, column), (at_column, at_row, east, north) = one.steep_faces()
             slope = np.hypot(east, north)
-            lat, lon = one.surface.places(*one.follow_faces(*at, 1.0))
+            lat, lon = one.surface.places(at_column, at_row)
             found.append(Faces(row, column, lat, lon, -east / slope, -north / slope))
         return Faces(*(np.concatenate(parts) for parts in zip(*found)))
 
@@ -431,6 +425,6 @@ def compile_code() -> None:
     (lat,), (lon,) = surface.places(np.array([1.5]), np.array([1.5]))
     down = PixelRays(np.array([-0.05, 0.05, -1.0]), np.array([0.01, 0.0, 0.0]), np.array([0.0, -0.01, 0.0]), 10, 10)
     paths, farthest, _ = surface.paths(lat, lon, 10.0, down, 0.1)
-    hits = surface.image_hits(paths, down, np.zeros((10, 10)), farthest, 0.1)
+    hits = surface.image_hits(paths, down, (np.zeros((10, 10)), np.full((10, 10), farthest)), 0.1)
     samples, _ = Seen(surface, hits, paths.forms[0][:2, :2]).samples(down, lon, grid, (0, zoom))
     View(10, 10, grid, (), tuple(samples), None, None, 0.0).tiles(lon)

@@ -455,9 +455,9 @@ def test_each_image_is_traced_once_each_tile_fetched_once_and_boxes_hold_what_is
     traced = []
     image_hits = Surface.image_hits
 
-    def watched(self, *arguments):
+    def watched(self, *arguments, **options):
         traced.append(self)
-        return image_hits(self, *arguments)
+        return image_hits(self, *arguments, **options)
 
     monkeypatch.setattr(Surface, "image_hits", watched)
     monkeypatch.setattr(tracing, "compile_code", lambda: None)

@@ -136,6 +136,11 @@ def image_rays(yaw, tilt, roll, width=WIDTH, height=HEIGHT):
     return PixelRays(corner, (right - corner) / width, (below - corner) / height, width, height)
 
 
+def whole(rays, farthest):
+    """Spans of rays from the camera to a distance."""
+    return np.zeros((rays.height, rays.width)), np.full((rays.height, rays.width), farthest)
+
+
 def centres(rays):
     x, y = (at.ravel() for at in np.meshgrid(np.arange(rays.width) + 0.5, np.arange(rays.height) + 0.5))
     return rays.directions(x, y)
@@ -186,7 +191,7 @@ def test_images_over_the_earth_meet_the_relief_where_a_march_through_space_does(
     rays = image_rays(*attitude)
     paths, farthest, off_px = surface.paths(lat, lon, height, rays, 1e-3)
     assert off_px <= 1e-3
-    hits = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 1e-3)
+    hits = surface.image_hits(paths, rays, whole(rays, farthest), 1e-3)
     some = np.random.default_rng(3).integers(0, WIDTH * HEIGHT, 50)
     directions = centres(rays)[some]
     found = hits.t.ravel()[some]
@@ -218,7 +223,7 @@ def random_scene(seed, count=24):
     height = float(np.nanmax(z)) + agl
     rays = image_rays(rng.uniform(0.0, 360.0), tilt, rng.uniform(-15.0, 15.0))
     paths, farthest, _ = surface.paths(camera_lat, camera_lon, height, rays, 1e-3)
-    hits = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 1e-3)
+    hits = surface.image_hits(paths, rays, whole(rays, farthest), 1e-3)
     met = np.flatnonzero(np.isfinite(hits.t.ravel()))
     some = rng.integers(0, WIDTH * HEIGHT, count)
     if len(met):
@@ -268,7 +273,7 @@ def test_bundles_find_what_single_rays_do(kind, tilt):
     surface = surface_about("EPSG:32616", 35.1, -89.9, z)
     rays = image_rays(20.0, tilt, 3.0, 173, 131)
     paths, farthest, _ = surface.paths(35.1, -89.9, 90.0, rays, 1e-3)
-    hits = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 1e-6)
+    hits = surface.image_hits(paths, rays, whole(rays, farthest), 1e-6)
     n = rays.width * rays.height
     single = surface.first_hits(paths.start, paths.coefficients(centres(rays)), np.full(n, farthest))
     found = hits.t.ravel()
@@ -278,7 +283,7 @@ def test_bundles_find_what_single_rays_do(kind, tilt):
     assert (np.abs(found - single.t)[there] <= 2e-3 * found[there]).all()
     assert np.median(np.abs(found - single.t)[there]) < 1e-6
     # What is asked for less exactly is off by no more than was allowed.
-    coarse = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 0.05).t.ravel()
+    coarse = surface.image_hits(paths, rays, whole(rays, farthest), 0.05).t.ravel()
     pixel = np.linalg.norm(rays.per_x)
     assert np.median(np.abs(coarse - single.t)[there]) < 0.05 * pixel * np.median(single.t[there])
 
@@ -292,7 +297,7 @@ def test_bundles_from_beside_the_surface_spread_over_its_edge(yaw, beside_m):
     rays = image_rays(yaw, 20.0, 0.0, 320, 240)
     height = surface.lowest_m + 400.0
     paths, farthest, _ = surface.paths(lat, lon, height, rays, 1e-3)
-    hits = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 1e-3)
+    hits = surface.image_hits(paths, rays, whole(rays, farthest), 1e-3)
     n = rays.width * rays.height
     single = surface.first_hits(paths.start, paths.coefficients(centres(rays)), np.full(n, farthest))
     assert np.isfinite(single.t).any()
