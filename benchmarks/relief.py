@@ -75,6 +75,10 @@ class Hills:
         """The hills."""
         return self.surface_
 
+    def end_m(self, *_: float) -> float:
+        """Distance beyond which there is no ground."""
+        return np.inf
+
     def cell_m(self, *_: float) -> float:
         """Size of their cells."""
         return 0.84

@@ -178,6 +178,10 @@ class Kept:
         one = self._parts
         return Surface(one.grid, one.zoom, one.left_px, one.top_px, one.heights_m) if self._anew else one
 
+    def end_m(self, *_: float) -> float:
+        """Distance beyond which there is no ground."""
+        return np.inf
+
     def cell_m(self, *_: float) -> float:
         """Size of its cells."""
         return self._cell_m

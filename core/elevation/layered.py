@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, NDArray
+from ..geodesy.ellipsoid import sight_lines
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.raytracing.surface import Surface
 from .filling import REACH_PX, interpolated
@@ -52,6 +53,10 @@ class LayeredElevation:
         if isinstance(layer, ConstantHeight):
             return _LEVEL_CELL_M
         return _size_m(layer, lat_deg, lon_deg, layer.grid.native_zoom)
+
+    def end_m(self, lat_deg: float, lon_deg: float) -> float:
+        """Level distance from a place beyond which no source has heights, metres; infinite if unknown."""
+        return max(_end_m(layer, lat_deg, lon_deg) for layer in self.layers)
 
     def surface(self, lat_deg: Floats, lon_deg: Floats, cell_m: float = 0.0) -> Surface:
         """Read heights over the box of positions, in the first source's plane.
@@ -155,6 +160,17 @@ def _coarsest_m(layer: Layer, lat_deg: float, lon_deg: float) -> float:
     return _size_m(layer, lat_deg, lon_deg, layer.grid.min_zoom)
 
 
+def _end_m(layer: Layer, lat_deg: float, lon_deg: float) -> float:
+    """Level distance from a place to a layer's farthest corner, metres, with a margin; infinite if unknown."""
+    if layer.grid.extent is None:
+        return np.inf
+    lat, lon = layer.grid.plane.inverse(*np.array(layer.grid.extent).T)
+    corners = sight_lines(np.array(lat_deg), np.array(0.0), lat, lon - lon_deg)
+    # Sides bend by up to 1 % of their length.
+    end_m = 1.05 * float(np.hypot(corners[:, 0], corners[:, 1]).max())
+    return end_m + _size_m(layer, lat_deg, lon_deg, layer.grid.native_zoom) if np.isfinite(end_m) else np.inf
+
+
 def _window(
     layer: Layer, lat: Floats, lon: Floats, cell_m: float, *, cut: bool
 ) -> tuple[int, tuple[int, int, int, int]]:
@@ -174,8 +190,12 @@ def _window(
     lows, highs = np.zeros(2), np.zeros(2)
     if finite.any():
         lows, highs = (np.array([f(u[finite]), f(v[finite])]) for f in (np.min, np.max))
-    if cut and not grid.plane.wraps and grid.extent is not None:
+    if cut and grid.extent is not None:
         ends = np.array(grid.extent)
+        if grid.plane.wraps:
+            ends[:, 0] += np.rint((lows[0] + highs[0]) / 2.0 - ends[:, 0].mean())
+            if np.ptp(ends[:, 0]) > 0.5:
+                ends[:, 0] = lows[0], lows[0], highs[0], highs[0]
         lows, highs = (np.clip(at, ends.min(axis=0), ends.max(axis=0)) for at in (lows, highs))
     middle = float(np.mean(lat)), float(np.mean(lon))
     wanted_m = max(cell_m, _LEVEL_CELL_M) if isinstance(layer, ConstantHeight) else cell_m

@@ -98,6 +98,10 @@ class Bumps:
         heights = self._high_m * ((7 * i + 13 * j) % 5) / 4.0
         return Surface(grid, zoom, left, top, np.where((i * j) % 97 == 96, np.nan, heights))
 
+    def end_m(self, lat_deg: float, lon_deg: float) -> float:
+        """Distance beyond which there is no ground."""
+        return np.inf
+
     def cell_m(self, lat_deg: float, lon_deg: float) -> float:
         """Size of a cell near the camera."""
         return 10.0

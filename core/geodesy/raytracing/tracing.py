@@ -54,6 +54,9 @@ class ElevationModel(Protocol):
     def cell_m(self, lat_deg: float, lon_deg: float) -> float:
         """Size in metres of the finest cells at a place."""
 
+    def end_m(self, lat_deg: float, lon_deg: float) -> float:
+        """Level distance from a place beyond which there is no ground, metres; infinite if unknown."""
+
 
 class Sighting(NamedTuple):
     """Ground at the pixels of an image, (height, width) each; NaN without ground.
@@ -265,7 +268,8 @@ class Tracing:
         # Mountains are visible beyond the horizon, up to 9 km high and 700 km away.
         reach_m = np.where(seen.hit, np.hypot(last[:, 0], last[:, 1]), np.inf)
         horizon_m = np.sqrt(2.0 * WGS84.a_m * above_m) + np.sqrt(2.0 * WGS84.a_m * 9_000.0)
-        return directions, level, _MARGIN * np.minimum(reach_m, min(horizon_m, 700_000.0))
+        most_m = min(horizon_m, 700_000.0, self.relief.end_m(*self.place))
+        return directions, level, _MARGIN * np.minimum(reach_m, most_m)
 
     def box(self, grid: PixelGrid) -> tuple[float, float, float, float]:
         """West, north, east and south end of the ground that the image may show, as fractions of the world.
@@ -289,12 +293,16 @@ class Tracing:
         A ring has the source's largest cells, of 1, 2, 4 … pixels, that are no larger than what a pixel of the image
         covers of ground that faces it, at the ring's highest ground and least distance.
         """
+        yield from self._rings
         last_m = float(self._reach[2].max())
-        begin_m = 0.0
-        while begin_m < last_m:
-            ring = self._ring(begin_m, last_m)
-            yield ring
-            begin_m = ring.end_m
+        while (begin_m := self._rings[-1].end_m if self._rings else 0.0) < last_m:
+            self._rings.append(self._ring(begin_m, last_m))
+            yield self._rings[-1]
+
+    @cached_property
+    def _rings(self) -> list[Ring]:
+        """Rings that were read."""
+        return []
 
     def _ring(self, begin_m: float, last_m: float) -> Ring:
         """Ring that begins at a distance."""

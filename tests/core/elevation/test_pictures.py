@@ -13,6 +13,7 @@ import pytest
 from osgeo import gdal
 from PIL import Image
 from terrainav.core.capture.runner import capture
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.errors import InvalidInput
 from terrainav.core.external.compiling import uses_numba, without_numba
 from terrainav.core.geodesy.accuracy import ImageGeometry
@@ -367,6 +368,44 @@ def test_what_lies_beyond_the_model_is_no_ground(files):
     assert (shown.pixels[..., 3] == 0).mean() == pytest.approx(shown.unmapped_share)
 
 
+@pytest.mark.parametrize("code", [32618, 3857, 4326])
+def test_rings_end_with_the_model_and_show_the_same(files, tmp_path, code):
+    """A view to the horizon from beside a small model, over its own reference system, the map and degrees."""
+    x, y = grid_points()
+    to_code = pyproj.Transformer.from_crs(32618, code, always_xy=True)
+    west, north = to_code.transform(WEST, NORTH)
+    cell = 2e-5 if code == 4326 else CELL
+    path = rasters.write(
+        tmp_path / "model.tif", hills(x, y)[np.newaxis], (west, cell, 0.0, north, 0.0, -cell), code,
+        data_type=gdal.GDT_Float32,
+    )  # fmt: skip
+    relief = open_relief([str(path)])
+    column, row = np.array([(0.1, 0.1), (0.5, 9.0), (0.0, 0.0), (SIDE, 0.0), (0.0, SIDE), (SIDE, SIDE)]).T
+    to_degrees = pyproj.Transformer.from_crs(code, 4326, always_xy=True)
+    lon, lat = to_degrees.transform(west + column * cell, north - row * cell)
+    for place in ((lat[0], lon[0]), (lat[1], lon[1])):
+        away = pyproj.Geod(ellps="WGS84").inv(*np.broadcast_arrays(place[1], place[0], lon, lat))[2]
+        assert away.max() < relief.end_m(*place) < 1.1 * away.max() + 2.0 * CELL
+    poses = Poses(*(np.array([value]) for value in (lat[1], lon[1], 120.0, 135.0, 80.0, 0.0)))
+    scene = ImageGeometry(Camera(78.8, 4 / 3), 160, 120, poses)
+    ended = Tracing(scene, 180.0, relief, 40.0, 0.02)
+    endless = Tracing(scene, 180.0, Endless(relief), 40.0, 0.02)
+    assert len(list(ended.rings())) < len(list(endless.rings()))
+    assert 0.05 < np.isfinite(ended.depth_m).mean() < 0.9
+    assert np.mean(np.isnan(ended.depth_m) != np.isnan(endless.depth_m)) < 1e-3
+    assert np.nanmax(np.abs(ended.depth_m / endless.depth_m - 1.0)) < 1e-5
+
+
+class Endless:
+    """Relief that does not say where it ends."""
+
+    def __init__(self, relief):
+        self.surface, self.cell_m = relief.surface, relief.cell_m
+
+    def end_m(self, *_):
+        return np.inf
+
+
 def test_the_sky_is_behind_the_relief(files):
     made, source = one(files, "tower", tilt_deg=75.0, agl=25.0, y=380.0, upsample=True, image_px=160)
     shown = picture(made, source)
@@ -571,6 +610,9 @@ def test_from_high_up_cells_are_as_large_as_what_pixels_show():
             left, top = (int(at.min() * grid.world_px(6)) - 1 for at in (u, v))
             rows, columns = (int(np.ptp(at) * grid.world_px(6)) + 4 for at in (v, u))
             return Surface(grid, 6, left, top, np.full((rows, columns), 100.0))
+
+        def end_m(self, *_):
+            return np.inf
 
         def cell_m(self, *_):
             return 0.25

@@ -60,6 +60,9 @@ class Kept:
     def surface(self, *_):
         return self.kept
 
+    def end_m(self, *_):
+        return np.inf
+
     def cell_m(self, *_):
         return self.size_m
 

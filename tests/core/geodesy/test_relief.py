@@ -335,6 +335,9 @@ class Town:
     title = attribution = ""
     grid = PixelGrid(max_zoom=19, native_zoom=19)
 
+    def end_m(self, *_):
+        return np.inf
+
     def cell_m(self, lat_deg, lon_deg):
         return float(self.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), 19))
 
