@@ -393,8 +393,10 @@ def test_rings_end_with_the_model_and_show_the_same(files, tmp_path, code):
     assert len(list(ended.rings())) < len(list(endless.rings()))
     assert 0.05 < np.isfinite(ended.depth_m).mean() < 0.9
     assert np.mean(np.isnan(ended.depth_m) != np.isnan(endless.depth_m)) < 1e-3
-    # Rays that graze the ground end where the bound of a path's error lets them.
-    assert np.nanquantile(np.abs(ended.depth_m / endless.depth_m - 1.0), 0.99) < 1e-4
+    # Paths are fitted over other lengths, each within half the bound; rays that graze the ground move farther along it.
+    off = np.abs(ended.depth_m / endless.depth_m - 1.0)
+    assert np.nanquantile(off, 0.99) < 0.02 * float(np.linalg.norm(ended.rays.per_x))
+    assert np.nanmedian(off) < 1e-5
 
 
 class Endless:
