@@ -8,7 +8,8 @@ diagonal field of view, ρ half the diagonal in px, κ = εt, T = |tan φ|.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +31,10 @@ _GROUND_ROUNDING_M = 2e-9
 _MAP_ROUNDING_M = 1.6e-8
 #: Smallest ground size of a pixel, in metres: rounding of degrees is a twentieth of it, rounding on the map two fifths.
 RESOLVED_M = 4e-8
+
+
+#: Poses whose corner rays are computed at a time, to bound memory.
+_BATCH = 1 << 14
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +105,15 @@ class ImageGeometry:
         """Metres of flat ground that a pixel spans straight below the camera, (n,)."""
         return self.poses.agl_m / self.focal_px
 
+    def parts(self) -> Iterator[ImageGeometry]:
+        """Geometry of the poses, a bounded number at a time."""
+        for start in range(0, len(self.poses.lat_deg), _BATCH):
+            some = slice(start, start + _BATCH)
+            width, height = (
+                side[some] if isinstance(side, np.ndarray) else side for side in (self.width_px, self.height_px)
+            )
+            yield replace(self, width_px=width, height_px=height, poses=self.poses.take(some))
+
 
 def bound_px(scene: ImageGeometry, series: Floats) -> Floats:
     """Bound of a truncated series, with its remainder and float64 rounding, (n,).
@@ -154,10 +168,15 @@ def finest_px_m(scene: ImageGeometry) -> Floats:
     For a ray of length L and drop D, both per unit along the axis, the image magnifies the ground by up to L·D relative
     to the nadir; this is largest at a corner, and 1 in a level image.
     """
-    sin_below, squared = corner_angles(scene)
-    spread = np.max(squared * np.clip(sin_below, 0.0, 1.0), axis=1)
+    spread = np.concatenate([_corner_spread(part) for part in scene.parts()])
     level = (scene.poses.tilt_deg == 0.0) & (scene.poses.roll_deg == 0.0)
     return np.asarray(scene.nadir_px_m / np.where(level, 1.0, np.maximum(spread, 1.0)), np.float64)
+
+
+def _corner_spread(scene: ImageGeometry) -> Floats:
+    sin_below, squared = corner_angles(scene)
+    spread: Floats = np.max(squared * np.clip(sin_below, 0.0, 1.0), axis=1)
+    return spread
 
 
 def exact_px(scene: ImageGeometry) -> Floats:
@@ -167,8 +186,8 @@ def exact_px(scene: ImageGeometry) -> Floats:
     Rays are rounded at most 128 times (2⁻⁵³ each): 8 for the sine of each of three angles, 6 for their products, 16 for
     the tangent of the field of view, 64 for `ellipsoid.trace`.
     """
-    _, squared = corner_angles(scene)
-    noise: Floats = _GROUND_ROUNDING_M / finest_px_m(scene) + 2.0**-46 * scene.focal_px * np.max(squared, axis=1)
+    squared = np.concatenate([np.max(corner_angles(part)[1], axis=1) for part in scene.parts()])
+    noise: Floats = _GROUND_ROUNDING_M / finest_px_m(scene) + 2.0**-46 * scene.focal_px * squared
     return noise
 
 
@@ -241,6 +260,10 @@ def condition_number(scene: ImageGeometry, *, on_mercator: bool = True) -> float
     """
     nearest_pole = float(np.max(np.abs(scene.poses.lat_deg))) if on_mercator else 0.0
     mercator = 1.0 / float(np.cos(np.radians(nearest_pole)))
+    return max(mercator, *(_ray_condition(part) for part in scene.parts()))
+
+
+def _ray_condition(scene: ImageGeometry) -> float:
     sin_below, _ = corner_angles(scene)
     share = scene.height_share[:, np.newaxis]
     lifted, squared = grazing(sin_below, share)
@@ -253,7 +276,7 @@ def condition_number(scene: ImageGeometry, *, on_mercator: bool = True) -> float
     arc = np.arctan2(np.sqrt(1.0 - sin_below**2) * share * (2.0 + share) / (lifted + grazed), 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         rays = np.where(arc > 0.0, off_nadir * slope / arc, 1.0)
-    return max(mercator, float(np.max(rays)))
+    return float(np.max(rays))
 
 
 def terrain_px_per_m(scene: ImageGeometry) -> float:
@@ -261,6 +284,10 @@ def terrain_px_per_m(scene: ImageGeometry) -> float:
 
     At an angle α off nadir, a point higher by dz moves by the angle dz·sin α·cos α / h; infinite at the horizon.
     """
+    return max(_corner_terrain_px_per_m(part) for part in scene.parts())
+
+
+def _corner_terrain_px_per_m(scene: ImageGeometry) -> float:
     sin_below, squared = corner_angles(scene)
     if (sin_below <= 0.0).any():
         return math.inf
@@ -271,6 +298,10 @@ def terrain_px_per_m(scene: ImageGeometry) -> float:
 
 def ground_m_per_px(scene: ImageGeometry) -> float:
     """Metres of ground that a pixel spans at the farthest corner, the most in the image; infinite at the horizon."""
+    return max(_corner_m_per_px(part) for part in scene.parts())
+
+
+def _corner_m_per_px(scene: ImageGeometry) -> float:
     sin_below, squared = corner_angles(scene)
     share = scene.height_share[:, np.newaxis]
     lifted, grazed2 = grazing(sin_below, share)

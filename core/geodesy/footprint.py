@@ -22,6 +22,8 @@ from .ellipsoid import (
     trace,
 )
 
+#: Poses whose corners are computed at a time, to bound memory.
+_BATCH = 1 << 14
 #: Image points as in `CORNERS`.
 ImagePoints = tuple[tuple[float, float], ...]
 
@@ -65,9 +67,17 @@ def ground_corners(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, foot
     ``footprint`` is `exact` except when methods are compared.
     """
     first, run = poses.runs()
-    at_zero = poses.take(first)._replace(lon_deg=np.zeros(len(first)))
-    corners = footprint(camera, at_zero, CORNERS, ground)
-    return Corners(corners.lat_deg[run], poses.lon_deg[:, np.newaxis] + corners.lon_deg[run], corners.hit[run])
+    shape = len(first), len(CORNERS)
+    lat, dlon, hit = np.empty(shape), np.empty(shape), np.empty(shape, bool)
+    for start in range(0, len(first), _BATCH):
+        some = first[start : start + _BATCH]
+        at_zero = poses.take(some)._replace(lon_deg=np.zeros(len(some)))
+        part = slice(start, start + len(some))
+        lat[part], dlon[part], hit[part] = footprint(camera, at_zero, CORNERS, ground)
+    if len(first) < len(run):
+        lat, dlon, hit = lat[run], dlon[run], hit[run]
+    dlon += poses.lon_deg[:, np.newaxis]
+    return Corners(lat, dlon, hit)
 
 
 def image_centres(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:

@@ -24,8 +24,8 @@ _MARGIN_PX = 0.5 + 1e-3
 _HALVINGS = 40
 #: Widest rectangle, as a world fraction: a camera sees less than half of the Earth.
 _WIDEST = 0.5
-#: Poses processed at a time, to bound memory.
-_BATCH = 1024
+#: Poses processed at a time: few enough for the caches of a processor.
+_BATCH = 512
 #: Points along each edge of the image.
 _EDGE_POINTS = 12
 #: Largest factor by which the ratios of height to width that are tried differ from that of the ground seen.
@@ -117,14 +117,20 @@ def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, grou
 
     The part of the Earth in an image is convex and less than half of it, so a rectangle is visible if its border is.
     """
-    rounding = 2.0**-51  # of a position on the map, in world fractions
-    beyond, moved = (_border_excess(camera, poses, edges, ground, shift) for shift in (0.0, rounding))
-    finite = np.isfinite(beyond) & np.isfinite(moved)
-    noise = np.abs(np.where(finite, moved, 0.0) - np.where(finite, beyond, 0.0))
-    at = np.flatnonzero(beyond > noise)
+    beyond = _border_excess(camera, poses, edges, ground)
+    at = np.flatnonzero(beyond > 0.0)
     if len(at) == 0:
         return edges
-    some, limit, (u, v) = poses.take(at), noise[at], centre[at].T
+    rounding = 2.0**-51  # of a position on the map, in world fractions
+    reaching = FrameEdges(*(side[at] for side in edges))
+    moved = _border_excess(camera, poses.take(at), reaching, ground, rounding)
+    finite = np.isfinite(beyond[at]) & np.isfinite(moved)
+    noise = np.abs(np.where(finite, moved, 0.0) - np.where(finite, beyond[at], 0.0))
+    is_beyond = beyond[at] > noise
+    at, limit = at[is_beyond], noise[is_beyond]
+    if len(at) == 0:
+        return edges
+    some, (u, v) = poses.take(at), centre[at].T
     reach = [side[at] - middle for side, middle in zip(edges, (u, u, v, v))]
 
     def scaled(share: Floats) -> FrameEdges:
@@ -434,14 +440,21 @@ def _ratios(ring: Floats) -> Floats:
 
 def _rooms(ring: Floats, ratios: Floats) -> Floats:
     """Half widths (n, r) of the centred rectangles of given ratios of height to width (n, r) inside rings (n, k, 2)."""
-    flat = (np.ptp(ring, axis=1) <= 0.0).any(axis=1)
-    start, way = ring, np.roll(ring, -1, axis=1) - ring
+    # Vertices first: each step below then is one pass over contiguous rows.
+    u, v = np.moveaxis(ring, 0, -1).swapaxes(0, 1).copy()
+    flat = (np.ptp(u, axis=0) <= 0.0) | (np.ptp(v, axis=0) <= 0.0)
+    way_u, way_v = (np.roll(side, -1, axis=0) - side for side in (u, v))
     # The rectangle is on one side of the line through two vertices while |way × corner| < |way × start|.
-    distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])[:, :, np.newaxis]
-    reach_u, reach_v = (np.abs(way[..., axis])[:, :, np.newaxis] for axis in (1, 0))
-    need = reach_u + reach_v * ratios[:, np.newaxis]
-    with np.errstate(invalid="ignore"):
-        room = distance / need
+    distance = np.abs(way_u * v - way_v * u)
+    reach_u, reach_v = np.abs(way_v), np.abs(way_u)
     # Coincident vertices define no line.
-    np.copyto(room, np.inf, where=need <= 0.0)
-    return np.where(flat[:, np.newaxis], 0.0, room.min(axis=1))
+    distance[(reach_u == 0.0) & (reach_v == 0.0)] = np.inf
+    half_u, need = np.empty(ratios.shape), np.empty_like(u)
+    with np.errstate(divide="ignore"):
+        for column, ratio in enumerate(ratios.T):
+            np.multiply(reach_v, ratio, out=need)
+            need += reach_u
+            np.divide(distance, need, out=need)
+            need.min(axis=0, out=half_u[:, column])
+    half_u[flat] = 0.0
+    return half_u

@@ -26,6 +26,8 @@ from ..areas.area import (
 
 #: Strips per chunk, which bounds the memory for any number of rectangles.
 _CHUNK = 250_000
+#: Rectangles whose gaps are found at a time, which bounds the memory, too.
+_BAND = 1 << 17
 #: Missing shares of the area below this are rounding between two ways to compute areas.
 _NOTHING_MISSING = 1e-9
 
@@ -165,6 +167,18 @@ def gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> R
     cells = _Cells.under(clipped, within)
     found = [cells.unoccupied(), *cells.gaps(clipped)]
     return Rectangles(*(np.concatenate(edges) for edges in zip(*found)))
+
+
+def gaps_by_band(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Iterator[Rectangles]:
+    """Gaps of `gaps`, cut at the edges of bands with a bounded number of rectangles each."""
+    west, north, east, south = within
+    edges = np.linspace(north, south, len(rectangles.y0) // _BAND + 2).tolist()
+    if len(edges) == 2:
+        yield gaps(rectangles, within)
+        return
+    for top, bottom in zip(edges, edges[1:]):
+        meets = (rectangles.y1 > top) & (rectangles.y0 < bottom)
+        yield gaps(Rectangles(*(edge[meets] for edge in rectangles)), (west, top, east, bottom))
 
 
 class _Cells(NamedTuple):
@@ -373,17 +387,18 @@ def _polygon_coverage(
         if not near.any():
             return Coverage(total_m2, total_m2, complete=False)
         shown = Rectangles(*(edge[near] for edge in shown))
-    missing = gaps(joined(shown), (west, north, east, south))
-    ground = area_within_m2(
-        placed,
-        u_to_lon(missing.x0 / world),
-        v_to_lat(missing.y1 / world),
-        u_to_lon(missing.x1 / world),
-        v_to_lat(missing.y0 / world),
-    )
-    # Less than 1 mm² is rounding of clipping in degrees: 1e-14 degrees along a kilometre of edge.
-    ground = ground[ground > 1e-6]
-    return Coverage(total_m2, float(ground.sum()), complete=not len(ground))
+    lost_m2 = 0.0
+    for missing in gaps_by_band(joined(shown), (west, north, east, south)):
+        ground = area_within_m2(
+            placed,
+            u_to_lon(missing.x0 / world),
+            v_to_lat(missing.y1 / world),
+            u_to_lon(missing.x1 / world),
+            v_to_lat(missing.y0 / world),
+        )
+        # Less than 1 mm² is rounding of clipping in degrees: 1e-14 degrees along a kilometre of edge.
+        lost_m2 += float(ground[ground > 1e-6].sum())
+    return Coverage(total_m2, lost_m2, complete=lost_m2 == 0.0)
 
 
 def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:

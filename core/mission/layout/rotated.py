@@ -36,7 +36,7 @@ from .coverage import (
     Overlap,
     Rectangles,
     clip_ring,
-    gaps,
+    gaps_by_band,
     joined,
     shares,
     summarize_overlap,
@@ -498,8 +498,8 @@ def _pass_coverage(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequ
     for one in rectangles:
         # Rows of a second pass cross the first rows at a right angle.
         shown = (*shown, Rectangles(one.y0, -one.x1, one.y1, -one.x0) if shown else joined(one))
-        missing = gaps(Rectangles(*(np.concatenate(sides) for sides in zip(*shown))), within)
-        missing = _candidates(shape, missing)
+        found = gaps_by_band(Rectangles(*(np.concatenate(sides) for sides in zip(*shown))), within)
+        missing = Rectangles(*(np.concatenate(sides) for sides in zip(*(_candidates(shape, some) for some in found))))
         if not len(missing.x0):
             break
     lost = (

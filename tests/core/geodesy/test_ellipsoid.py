@@ -81,7 +81,8 @@ def test_ground_above_the_ellipsoid_is_hit_at_its_height():
 
 
 @pytest.mark.parametrize(
-    ("south", "north"), [(0, 90), (-90, 90), (35.115, 35.16), (84.9, 85.05), (-60, -59.999999), (10, 10)]
+    ("south", "north"),
+    [(0, 90), (-90, 90), (35.115, 35.16), (84.9, 85.05), (-60, -59.999999), (10, 10), (70, 71), (70, 71.01)],
 )
 def test_zone_areas_are_the_closed_form(south, north):
     exact = float(zone_area_m2(south, north)) / 360.0

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy import accuracy, footprint, rectangles
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.frames import map_frame_edges
@@ -144,6 +145,26 @@ def test_work_grows_with_the_number_of_images_in_wind(monkeypatch):
         made.append(sum(counted) / x0.size)
     assert made[0] > 1.0
     assert made[1] < 1.2 * made[0]
+
+
+@pytest.mark.parametrize("changes", [{}, {"row_azimuth_deg": 30.0}])
+def test_plans_do_not_depend_on_the_size_of_their_batches(changes, monkeypatch):
+    """Only sums of areas differ, by their rounding."""
+    mission = Mission(Box(35.16, -89.90, 35.145, -89.88), 120.0, wind=Wind(8.0, 250.0, 0.2), **changes)
+    whole = plan(mission, PixelGrid())
+    for room, name, size in (
+        (coverage, "_BAND", 7),
+        (footprint, "_BATCH", 10),
+        (accuracy, "_BATCH", 9),
+        (rectangles, "_BATCH", 11),
+    ):
+        monkeypatch.setattr(room, name, size)
+    parts = plan(mission, PixelGrid())
+    assert parts.coverage.complete == whole.coverage.complete
+    assert parts.coverage.uncovered_m2 == pytest.approx(whole.coverage.uncovered_m2, rel=1e-12)
+    assert parts.accuracy == whole.accuracy
+    for one, other in zip((*parts.corners, *parts.windows), (*whole.corners, *whole.windows)):
+        np.testing.assert_array_equal(one, other)
 
 
 def cut_ring(ring, rectangle):
