@@ -20,14 +20,17 @@ _LEAST = 1e-12
 
 
 class Seen(NamedTuple):
-    """Hits of an image on one surface.
+    """Hits of rows of an image, from ``top`` on, on one surface.
 
-    ``per_metre`` (2, 2) are columns and rows of the surface per metre eastward and northward.
+    ``per_metre`` (2, 2) are columns and rows of the surface per metre eastward and northward; ``rays`` are those of the
+    rows.
     """
 
     surface: Surface
     hits: Hits
     per_metre: Floats
+    rays: PixelRays
+    top: int = 0
 
     def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Slopes of the surface eastward and northward, metres per metre, at columns and rows (n,)."""
@@ -60,12 +63,12 @@ class Seen(NamedTuple):
             pixels, faces = np.empty((2, len(row)), np.int64), np.empty((4, len(row)))
             heights = self.surface.grid_heights_m
             count = sampling.steep_faces(heights, *self.hits, self.per_metre, STEEP, pixels, faces)
-            return pixels[:, :count], faces[:, :count]
+            return pixels[:, :count] + [[self.top], [0]], faces[:, :count]
         slopes = np.stack(self.slopes(self.hits.column[row, column], self.hits.row[row, column]))
         steep = np.hypot(*slopes) > STEEP
         row, column = row[steep], column[steep]
         ends = self.follow_faces(self.hits.column[row, column], self.hits.row[row, column], 1.0)
-        return np.stack([row, column]), np.stack([*ends, *slopes[:, steep]])
+        return np.stack([row + self.top, column]), np.stack([*ends, *slopes[:, steep]])
 
     def face_edges(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Upper or lower ends of the steep faces at points (n,), whichever is nearer in height."""
@@ -94,15 +97,13 @@ class Seen(NamedTuple):
                 break
         return x, y
 
-    def samples(
-        self, rays: PixelRays, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int]
-    ) -> tuple[list[Samples], int]:
+    def samples(self, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int]) -> tuple[list[Samples], int]:
         """Samples of the pixels that see the surface, and the number of them that see steep faces.
 
         Positions count from the meridian of ``lon_deg``.
         """
         if uses_numba():
-            return self._compiled_samples(rays, lon_deg, grid, zooms)
+            return self._compiled_samples(lon_deg, grid, zooms)
         row, column = np.nonzero(np.isfinite(self.hits.t))
         if not len(row):
             return [], 0
@@ -110,12 +111,12 @@ class Seen(NamedTuple):
         slope_east, slope_north = self.slopes(at_column, at_row)
         steep = np.hypot(slope_east, slope_north) > STEEP
         faces = int(np.count_nonzero(steep))
-        ray_east, ray_north, ray_up = directions = rays.directions(column + 0.5, row + 0.5).T
+        ray_east, ray_north, ray_up = directions = self.rays.directions(column + 0.5, row + 0.5).T
         # Intersect the ground's tangent plane, n·p = const, with the rays of neighbouring pixels; rays that are nearly
         # parallel to it count as steeper.
         facing = np.minimum(ray_up - slope_east * ray_east - slope_north * ray_north, -0.02 * np.abs(ray_up) - _LEAST)
         steps: list[tuple[Floats, Floats]] = []
-        for per in (rays.per_x, rays.per_y):
+        for per in (self.rays.per_x, self.rays.per_y):
             ahead = (per[2] - slope_east * per[0] - slope_north * per[1]) / facing
             ahead[steep] = 0.0
             steps.append((t * (per[0] - ahead * directions[0]), t * (per[1] - ahead * directions[1])))
@@ -143,17 +144,15 @@ class Seen(NamedTuple):
                 place[at, np.newaxis] + spans[0][axis][at, np.newaxis] * off_x + spans[1][axis][at, np.newaxis] * off_y
                 for axis, place in enumerate((du, v))
             )
-            found.append(Samples(zoom, row[at], column[at], sub_du, sub_v))
+            found.append(Samples(zoom, row[at] + self.top, column[at], sub_du, sub_v))
         return found, faces
 
-    def _compiled_samples(
-        self, rays: PixelRays, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int]
-    ) -> tuple[list[Samples], int]:
+    def _compiled_samples(self, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int]) -> tuple[list[Samples], int]:
         from . import sampling
 
         pixels = sampling.SeenPixels.blank(int(np.count_nonzero(np.isfinite(self.hits.t))))
         heights, has_holes = self.surface.grid_heights_m, self.surface.has_holes
-        ways = np.stack(rays[:3])
+        ways = np.stack(self.rays[:3])
         count, faces = sampling.seen_pixels(heights, has_holes, *self.hits, ways, self.per_metre, STEEP, pixels)
         if not count:
             return [], faces
@@ -177,7 +176,7 @@ class Seen(NamedTuple):
             some = slice(first_pixel[kind], first_pixel[kind] + counts[kind])
             all_samples = slice(first_sample[kind], first_sample[kind] + samples[kind])
             du_each, v_each = (at[all_samples].reshape(counts[kind], -1) for at in (du, v))
-            found.append(Samples(int(each.zoom[kind]), row[some], column[some], du_each, v_each))
+            found.append(Samples(int(each.zoom[kind]), row[some] + self.top, column[some], du_each, v_each))
         return found, faces
 
 

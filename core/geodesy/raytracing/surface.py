@@ -69,6 +69,10 @@ class PixelRays(NamedTuple):
         rays: Floats = np.stack(parts).T
         return rays
 
+    def rows(self, top: int, bottom: int) -> PixelRays:
+        """Rays of some rows of pixels, as an image."""
+        return self._replace(origin=self.origin + top * self.per_y, height=bottom - top)
+
     def forms(self, paths: Paths) -> list[Floats]:
         """Coefficients of paths as polynomials in x and y: for tᵏ an array (c, k + 1, k + 1), by powers of y and x."""
         found = []

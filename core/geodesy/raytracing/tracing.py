@@ -19,7 +19,7 @@ from ..mercator import PixelGrid, wrap_lon_deg
 from ..view import ImageRays, View
 from .paths import Paths
 from .seen import STEEP, Seen
-from .surface import Hits, PixelRays, Surface
+from .surface import PixelRays, Surface
 
 #: Most cells of a ring; those of images of many pixels end sooner, and have larger cells.
 MOST_CELLS = 1 << 22
@@ -202,34 +202,49 @@ class Tracing:
     @cached_property
     def _seen(self) -> list[Seen]:
         """Hits on surfaces from near to far; on each, of the pixels that hit no nearer surface."""
-        rays, (lat, lon), (level, up) = self.rays, self.place, self._ways
+        lat, lon = self.place
         found: list[Seen] = []
-        unmet = np.ones((rays.height, rays.width), bool)
+        unmet = np.ones((self.rays.height, self.rays.width), bool)
         before = nearer = None
-        for surface, begin_m, end_m in self.rings():
-            before, nearer = nearer, surface
-            if not surface.has_ground:
-                continue
-            if begin_m > _MARGIN * surface.away_m(lat, lon, self.height_m):
+        for ring in self.rings():
+            before, nearer = nearer, ring.surface
+            surface, begin_m, end_m = ring
+            if not surface.has_ground or begin_m > _MARGIN * surface.away_m(lat, lon, self.height_m):
                 # The surface ends before the distance from which it counts.
                 continue
-            after, until = begin_m / level, end_m / level
-            # The Earth falls away by the squared distance over twice its radius, or at least 98 % of that; 1 m is for
-            # higher terms.
-            least_m = self.height_m + np.where(up < 0.0, until, after) * up + 0.98 * begin_m**2 / (2.0 * WGS84.a_m)
-            after[~unmet | (least_m > surface.highest_m + 1.0)] = np.inf
-            if np.isinf(after).all():
+            top, bottom, after, until = self._spans(ring, unmet)
+            if top == bottom:
                 continue
+            rays = self.rays.rows(top, bottom)
             paths, farthest, _ = surface.paths(lat, lon, self.height_m, rays, self.tolerance_px / 2.0, end_m)
             spans = after, np.minimum(until, farthest)
             hits = surface.image_hits(paths, rays, spans, self.tolerance_px / 2.0, begins=begin_m > 0.0)
+            seen = Seen(surface, hits, paths.forms[0][:2, :2], rays, top)
             if begin_m > 0.0 and before is not None:
-                self._drop_from_beneath(before, surface, paths, after, hits)
-            unmet &= np.isnan(hits.t)
-            found.append(Seen(surface, hits, paths.forms[0][:2, :2]))
+                self._drop_from_beneath(before, seen, paths, after)
+            unmet[top:bottom] &= np.isnan(hits.t)
+            found.append(seen)
             if not unmet.any():
                 break
         return found
+
+    def _spans(self, ring: Ring, unmet: Flags) -> tuple[int, int, Floats, Floats]:
+        """First row of the pixels that may see a ring, and the row after the last; t from and up to which they may.
+
+        t from which they may, (rows, width), is infinite for those that see nearer ground, or that are too high.
+        """
+        surface, begin_m, end_m = ring
+        some = np.flatnonzero(unmet.any(axis=1))
+        top, bottom = (int(some[0]), int(some[-1]) + 1) if len(some) else (0, 0)
+        level, up = (values[top:bottom] for values in self._ways)
+        after, until = begin_m / level, end_m / level
+        # The Earth falls away by the squared distance over twice its radius, or at least 98 % of that; 1 m is for
+        # higher terms.
+        least_m = self.height_m + np.where(up < 0.0, until, after) * up + 0.98 * begin_m**2 / (2.0 * WGS84.a_m)
+        after[~unmet[top:bottom] | (least_m > surface.highest_m + 1.0)] = np.inf
+        some = np.flatnonzero(np.isfinite(after).any(axis=1))
+        first, last = (int(some[0]), int(some[-1]) + 1) if len(some) else (0, 0)
+        return top + first, top + last, after[first:last], until[first:last]
 
     @cached_property
     def _ways(self) -> tuple[Floats, Floats]:
@@ -241,14 +256,15 @@ class Tracing:
         )
         return np.maximum(np.hypot(east, north), _LEAST), up
 
-    def _drop_from_beneath(self, before: Surface, surface: Surface, paths: Paths, after: Floats, hits: Hits) -> None:
+    def _drop_from_beneath(self, before: Surface, seen: Seen, paths: Paths, after: Floats) -> None:
         """Drop hits where a ring begins of rays that are also below the ground of the ring before."""
+        hits = seen.hits
         row, column = np.nonzero(hits.t == after)
         if not len(row):
             return
         t = hits.t[row, column]
-        at_column, at_row, height = paths.evaluate(self.rays.directions(column + 0.5, row + 0.5), t)
-        ground = before.heights(*before.position(*surface.places(at_column, at_row)))
+        at_column, at_row, height = paths.evaluate(seen.rays.directions(column + 0.5, row + 0.5), t)
+        ground = before.heights(*before.position(*seen.surface.places(at_column, at_row)))
         allowed = self.tolerance_px * min(float(np.linalg.norm(per)) for per in self.rays[1:3]) * t
         beneath = ~(height >= ground - allowed)
         for values in hits:
@@ -364,8 +380,10 @@ class Tracing:
     @cached_property
     def depth_m(self) -> Floats:
         """Depths along the optical axis, (height, width); NaN without ground."""
-        unseen = np.full((self.rays.height, self.rays.width), np.nan)
-        depths: Floats = np.fmax.reduce([unseen, *(one.hits.t for one in self._seen)])
+        depths: Floats = np.full((self.rays.height, self.rays.width), np.nan)
+        for one in self._seen:
+            rows = depths[one.top : one.top + one.rays.height]
+            np.fmax(rows, one.hits.t, out=rows)
         return depths
 
     @cached_property
@@ -388,7 +406,7 @@ class Tracing:
                 np.hypot(*slopes) > STEEP,
             )
             for whole, part in zip(found, values):
-                whole[at] = part
+                whole[one.top : one.top + one.rays.height][at] = part
         return found
 
     def faces(self) -> Faces:
@@ -403,7 +421,7 @@ class Tracing:
 
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
         """Map the image to a source's pixels; positions count from the camera's meridian."""
-        found = [one.samples(self.rays, self.place[1], grid, zooms) for one in self._seen]
+        found = [one.samples(self.place[1], grid, zooms) for one in self._seen]
         samples = [part for parts, _ in found for part in parts]
         unmapped = ~self.sky
         for part in samples:
@@ -434,5 +452,5 @@ def compile_code() -> None:
     down = PixelRays(np.array([-0.05, 0.05, -1.0]), np.array([0.01, 0.0, 0.0]), np.array([0.0, -0.01, 0.0]), 10, 10)
     paths, farthest, _ = surface.paths(lat, lon, 10.0, down, 0.1)
     hits = surface.image_hits(paths, down, (np.zeros((10, 10)), np.full((10, 10), farthest)), 0.1)
-    samples, _ = Seen(surface, hits, paths.forms[0][:2, :2]).samples(down, lon, grid, (0, zoom))
+    samples, _ = Seen(surface, hits, paths.forms[0][:2, :2], down).samples(lon, grid, (0, zoom))
     View(10, 10, grid, (), tuple(samples), None, None, 0.0).tiles(lon)
