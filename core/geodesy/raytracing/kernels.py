@@ -201,35 +201,6 @@ def _within(position: float, block: int, level: int) -> int:
 
 
 @compiled
-def _first_share(
-    a: float,
-    b: float,
-    c: float,
-    d: float,
-    over: bool,
-    touching_m: float,
-    x: float,
-    y: float,
-    h: float,
-    x_next: float,
-    y_next: float,
-    h_next: float,
-) -> float:
-    """Share of a chord through a cell at which it reaches the surface from above; see `surface.first_share`."""
-    dx, dy = x_next - x, y_next - y
-    above = h - (a + b * x + c * y + d * x * y)
-    if above < -touching_m and not over:
-        return np.nan
-    if above <= 0.0:
-        return 0.0
-    rising = b * dx + c * dy + d * (x * dy + y * dx) - (h_next - h)
-    bend = d * dx * dy
-    root = math.sqrt(rising * rising + 4.0 * bend * above)
-    share = 2.0 * above / (rising + root) if rising >= 0.0 or bend <= 0.0 else (root - rising) / (2.0 * bend)
-    return share if share >= 0.0 else np.inf
-
-
-@compiled
 def _is_ground(heights: Floats, i: int, j: int) -> bool:
     """Whether a cell lies on the surface and has ground."""
     if i < 0 or j < 0 or i >= heights.shape[0] - 1 or j >= heights.shape[1] - 1:
@@ -242,7 +213,8 @@ def _share_of_cell(
     heights: Floats,
     i: int,
     j: int,
-    over: bool,
+    i_before: int,
+    j_before: int,
     touching_m: float,
     x: float,
     y: float,
@@ -250,23 +222,30 @@ def _share_of_cell(
     x_next: float,
     y_next: float,
     h_next: float,
-) -> tuple[float, bool]:
-    """Share of a chord through a cell at which it reaches the ground, see `_first_share`; whether the cell has ground.
+) -> float:
+    """Share of a chord through a cell at which it reaches the surface from above; see `surface.first_share`.
 
-    Positions count from the cell's upper left corner.
+    Infinite if the chord stays above, NaN if it comes from beneath: it begins below the surface, and the cell before
+    has no ground. Positions count from the cell's upper left corner.
     """
     if i < 0 or j < 0 or i >= heights.shape[0] - 1 or j >= heights.shape[1] - 1:
-        return np.inf, False
+        return np.inf
     a, at_right = float(heights[i, j]), float(heights[i, j + 1])
     below, across = float(heights[i + 1, j]), float(heights[i + 1, j + 1])
-    if math.isnan(a + at_right + below + across):
-        return np.inf, False
-    if min(h, h_next) > max(a, at_right, below, across):
-        return np.inf, True
-    b, down = at_right - a, below - a
+    if math.isnan(a + at_right + below + across) or min(h, h_next) > max(a, at_right, below, across):
+        return np.inf
+    b, c = at_right - a, below - a
+    d = across - below - b
     x, y = min(max(x, 0.0), 1.0), min(max(y, 0.0), 1.0)
-    x_next, y_next = min(max(x_next, 0.0), 1.0), min(max(y_next, 0.0), 1.0)
-    return _first_share(a, b, down, across - below - b, over, touching_m, x, y, h, x_next, y_next, h_next), True
+    dx, dy = min(max(x_next, 0.0), 1.0) - x, min(max(y_next, 0.0), 1.0) - y
+    above = h - (a + b * x + c * y + d * x * y)
+    if above <= 0.0:
+        return np.nan if above < -touching_m and not _is_ground(heights, i_before, j_before) else 0.0
+    rising = b * dx + c * dy + d * (x * dy + y * dx) - (h_next - h)
+    bend = d * dx * dy
+    root = math.sqrt(rising * rising + 4.0 * bend * above)
+    share = 2.0 * above / (rising + root) if rising >= 0.0 or bend <= 0.0 else (root - rising) / (2.0 * bend)
+    return share if share >= 0.0 else np.inf
 
 
 @compiled
@@ -304,24 +283,6 @@ def _chord(
 
 
 @compiled
-def _next_cell(
-    heights: Floats, level: int, i: int, j: int, over: bool, is_across: bool, per_x: float, per_y: float
-) -> tuple[int, int, bool]:
-    """Cell that a ray enters from a block around cell i, j, along columns or along rows; whether it was over ground."""
-    if is_across:
-        block = j >> level
-        j = ((block + 1) << level) - 1 if per_x > 0.0 else block << level
-    else:
-        block = i >> level
-        i = ((block + 1) << level) - 1 if per_y > 0.0 else block << level
-    if level > 0:
-        over = _is_ground(heights, i, j)
-    if is_across:
-        return i, j + (1 if per_x > 0.0 else -1), over
-    return i + (1 if per_y > 0.0 else -1), j, over
-
-
-@compiled
 def _search(
     heights: Floats,
     blocks: Blocks,
@@ -338,32 +299,33 @@ def _search(
     The ray is cut into chords, each from t to (√t + ``longest``)², or through a cell if that is farther. A chord passes
     blocks that lie below it, the larger the farther it is above them, and looks into the others.
     """
-    rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
+    rows, columns, top_level = heights.shape[0] - 1, heights.shape[1] - 1, len(blocks.first) - 1
     nothing = np.nan, np.nan, np.nan
     x, y, h, last, per_x, per_y, per_h = _chord(start, c, t, longest, end)
     i, j, across, down = _cell(y, per_y), _cell(x, per_x), _per_cell(per_x), _per_cell(per_y)
-    # Whether the ray was above ground in the cell before.
-    over = False
+    # The cell before, as if it had no ground.
+    i_before, j_before = -1, -1
     for _ in range(rules.most_steps):
-        to_x, to_y = _way(x, across, j >> level, level), _way(y, down, i >> level, level)
+        block_i, block_j = i >> level, j >> level
+        to_x, to_y = _way(x, across, block_j, level), _way(y, down, block_i, level)
         step = max(min(to_x, to_y), 0.0)
         leaves = t + step <= last
         if not leaves:
             step = last - t
         x_next, y_next, h_next = x + step * per_x, y + step * per_y, h + step * per_h
         if level > 0:
-            top = _top(blocks, level, i >> level, j >> level)
+            top = _top(blocks, level, block_i, block_j)
             if min(h, h_next) <= top:
                 if h > top:
                     # Nothing is hit before the ray is as low as the block's top.
                     step = (h - top) / -per_h
                     t, x, y, h = t + step, x + step * per_x, y + step * per_y, top
-                    i, j = _within(y, i >> level, level), _within(x, j >> level, level)
+                    i, j = _within(y, block_i, level), _within(x, block_j, level)
                 level -= 1
                 continue
         else:
-            share, over = _share_of_cell(
-                heights, i, j, over, rules.touching_m, x - j, y - i, h, x_next - j, y_next - i, h_next
+            share = _share_of_cell(
+                heights, i, j, i_before, j_before, rules.touching_m, x - j, y - i, h, x_next - j, y_next - i, h_next
             )
             if share <= 1.0:
                 x, y = x + share * (x_next - x), y + share * (y_next - y)
@@ -375,14 +337,19 @@ def _search(
         t, x, y, h = t + step if leaves else last, x_next, y_next, h_next
         if t >= end or h < rules.lowest_m - rules.touching_m or _leaves(rows, columns, x, y, per_x, per_y, 0.0, 0.0):
             return nothing
-        block_i, block_j = i >> level, j >> level
         i, j = _within(y, block_i, level), _within(x, block_j, level)
         if leaves:
-            i, j, over = _next_cell(heights, level, i, j, over, to_x <= to_y, per_x, per_y)
-            above = level + 1
+            is_across, right, lower = to_x <= to_y, 1 if per_x > 0.0 else 0, 1 if per_y > 0.0 else 0
+            j_before = ((block_j + right) << level) - right if is_across else j
+            i_before = i if is_across else ((block_i + lower) << level) - lower
+            j = j_before + (2 * right - 1 if is_across else 0)
+            i = i_before + (0 if is_across else 2 * lower - 1)
             # A larger block begins where the ray leaves the one around it.
-            if above < len(blocks.first) and (i >> above != block_i >> 1 or j >> above != block_j >> 1):
-                level = above
+            above = level + 1
+            rises = i >> above != block_i >> 1 or j >> above != block_j >> 1
+            level = min(above, top_level) if rises else level
+        else:
+            i_before, j_before = i, j
         if t >= last:
             x, y, h, last, per_x, per_y, per_h = _chord(start, c, t, longest, end)
             across, down = _per_cell(per_x), _per_cell(per_y)
