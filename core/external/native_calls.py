@@ -13,7 +13,9 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from functools import cache
+from queue import Queue
 from typing import Generic, TypeVar
 
 from ..errors import Cancelled
@@ -40,6 +42,7 @@ class _Ending:
 
 
 _ending = _Ending()
+_local = threading.local()
 _exit_code: int | None = None
 
 
@@ -59,17 +62,53 @@ def forget_signals() -> None:
     _ending = _Ending()
 
 
-class NativeCall(Generic[Result]):
-    """A call that is made once, in a separate thread."""
+class NativeThread:
+    """A thread for calls, made one after the other; `close` ends it."""
 
-    def __init__(self, work: Callable[[], Result]) -> None:
+    def __init__(self) -> None:
+        self._thread: _Thread | None = None
+
+    def make(self, call: Callable[[], None]) -> None:
+        """Make a call after the earlier ones."""
+        # A process that was forked has none.
+        if self._thread is None or not self._thread.is_alive():
+            self._thread = _Thread()
+            self._thread.start()
+        self._thread.calls.put(call)
+
+    def close(self) -> None:
+        """End the thread after its calls."""
+        thread, self._thread = self._thread, None
+        if thread is not None:
+            thread.calls.put(None)
+
+    __del__ = close
+
+
+def thread_contexts() -> ExitStack | None:
+    """Contexts of the current thread, left at its end; None if it is not one for native calls."""
+    contexts: ExitStack | None = getattr(_local, "contexts", None)
+    return contexts
+
+
+class NativeCall(Generic[Result]):
+    """A call that is made once, in a separate thread.
+
+    Parameters
+    ----------
+    work : callable
+    thread : NativeThread or None
+        None for a thread of this call only.
+    """
+
+    def __init__(self, work: Callable[[], Result], thread: NativeThread | None = None) -> None:
         self._work, self._ending = work, _ending
         self._lock, self._ended = threading.Lock(), threading.Event()
         self._has_begun = False
         self._result: list[Result] = []
         self._wrong: BaseException | None = None
         self._afterwards: Callable[[list[Result]], None] | None = None
-        self._thread = _Thread(self._run)
+        self._thread = thread
 
     def result(self, is_wanted: Callable[[], bool] = lambda: True) -> Result:
         """Make the call and wait for the result; re-raise the exception of the call.
@@ -83,7 +122,10 @@ class NativeCall(Generic[Result]):
         _register_end()
         # Set this before the thread starts, as a signal may interrupt the start.
         self._has_begun = True
-        self._thread.start()
+        thread = self._thread or NativeThread()
+        thread.make(self._run)
+        if self._thread is None:
+            thread.close()
         # Check every 50 ms whether the result is still wanted.
         while not self._ended.wait(0.05):
             if not is_wanted() or self._ending.has_passed(began_s):
@@ -112,10 +154,20 @@ class NativeCall(Generic[Result]):
 
 
 class _Thread(threading.Thread):
-    """A daemon thread, for which Python does not wait at exit."""
+    """A daemon thread, for which Python does not wait at exit; makes the calls put in its queue until there is None."""
 
-    def __init__(self, work: Callable[[], None]) -> None:
-        super().__init__(target=work, name="terrainav-native", daemon=True)
+    def __init__(self) -> None:
+        super().__init__(name="terrainav-native", daemon=True)
+        self.calls: Queue[Callable[[], None] | None] = Queue()
+
+    def run(self) -> None:
+        with ExitStack() as _local.contexts:
+            while (call := self.calls.get()) is not None:
+                call()
+                self.calls.task_done()
+                # Nothing of a call is kept while the next one is awaited.
+                del call
+        self.calls.task_done()
 
 
 def set_exit_code(code: int) -> None:
@@ -126,7 +178,8 @@ def set_exit_code(code: int) -> None:
 
 
 def _under_way() -> list[_Thread]:
-    return [thread for thread in threading.enumerate() if isinstance(thread, _Thread)]
+    threads = (thread for thread in threading.enumerate() if isinstance(thread, _Thread))
+    return [thread for thread in threads if thread.calls.unfinished_tasks]
 
 
 @cache
@@ -145,4 +198,4 @@ def _end() -> None:
         logging.shutdown()
         os._exit(_exit_code)
     for thread in _under_way():
-        thread.join()
+        thread.calls.join()

@@ -200,6 +200,8 @@ class PixelGrid:
     plane : WebMercator or ProjectedPlane
         The world that the pixels divide: the whole map, or the rectangle about a raster in another CRS. At the native
         zoom a pixel is one pixel of the raster; each zoom below has pixels twice as large.
+    native_part_px : int
+        Width and height of the parts of pictures that are cut out at the native zoom; 0 for those of a tile.
     """
 
     tile_px: int = 256
@@ -210,6 +212,7 @@ class PixelGrid:
     centre_decimals: int | None = None
     extent: tuple[tuple[float, float], ...] | None = None
     plane: Plane = MERCATOR
+    native_part_px: int = 0
 
     def __post_init__(self) -> None:
         if self.tile_px < 256 or self.tile_px % 256:
@@ -227,6 +230,10 @@ class PixelGrid:
     def scale(self) -> int:
         """Pixels of a picture per pixel in 256 px terms, along each side."""
         return self.tile_px // 256
+
+    def part_px(self, zoom: int) -> int:
+        """Width and height of the parts of pictures that are cut out at ``zoom``."""
+        return self.native_part_px if self.native_part_px and zoom == self.native_zoom else self.tile_px
 
     def world_px(self, zoom: int) -> int:
         """Width (and height) of the world in px at ``zoom``."""

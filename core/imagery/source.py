@@ -105,13 +105,12 @@ class Walled(Protocol):
         """
 
 
-def tile_parts(window: Window, grid: PixelGrid, side_px: int = 0) -> list[Part]:
+def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
     """Tiles of ``grid`` that fill a window with whole-number edges, row by row; on the map, columns wrap around.
 
-    The part of a tile in (wrapped) column x and row y begins at ``x * tile_px, y * tile_px``. Where columns do not wrap
-    around, ``side_px`` gives tiles another size than the grid's.
+    The part of a tile in (wrapped) column x and row y begins at ``x * size, y * size``, with ``grid.part_px`` as size.
     """
-    size = side_px or grid.tile_px
+    size = grid.part_px(window.zoom)
     left, top = int(window.left_px), int(window.top_px)
     return [
         Part(

@@ -63,6 +63,20 @@ class Colours:
     over_white: bool = False
     stored_type: str = ""
 
+    @property
+    def are_stored(self) -> bool:
+        """Whether all pixels are imagery, with the values that the file stores."""
+        is_whole = None in self.nodata and self.alpha is None and self.mask is None
+        return is_whole and self.table is None and self.white is None and self.kind.dtype.kind != "f"
+
+    def read_stored(self, file: OpenRaster, box: PixelBox) -> Values:
+        """Read a box, (height, width, bands), if `are_stored`."""
+        values = file.read(self.bands, box, self.stored_type or self.kind.data_type)
+        pixels = np.empty((box.height, box.width, len(self.kind)), values.dtype)
+        for channel in range(len(self.kind)):
+            pixels[..., channel] = values[channel % len(values)]
+        return pixels
+
     def read(self, file: OpenRaster, box: PixelBox) -> Values:
         """Read a box, (height, width, bands + 1); the last channel is 1 for imagery, and other pixels are 0.
 

@@ -7,7 +7,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
@@ -17,7 +17,7 @@ import numpy as np
 
 from ...arrays import Bytes, NDArray
 from ...errors import Cancelled, InvalidInput, Message
-from ...external.native_calls import NativeCall
+from ...external.native_calls import NativeCall, NativeThread, thread_contexts
 from .remote import Remote
 from .sizes import check_block, check_counts
 from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE, VIRTUAL, check_virtual_file
@@ -41,6 +41,8 @@ _WHITE_IS_ZERO = ("MINISWHITE", "IMAGE_STRUCTURE")
 _INTERLEAVE, _BY_PIXEL = ("INTERLEAVE", "IMAGE_STRUCTURE"), "PIXEL"
 #: Formats that GDAL decodes as a whole, although it reports smaller blocks.
 _WHOLE = frozenset(["WEBP", "JPEGXL"])
+#: Options of the environment that a thread has entered.
+_entered = threading.local()
 
 
 class PixelBox(NamedTuple):
@@ -368,15 +370,11 @@ def _array(values: bytes | None, messages: list[str], shape: tuple[int, ...], da
 @contextmanager
 def _raised_errors(options: Options) -> Iterator[None]:
     """Convert errors of rasterio to ReadError; a JPEG that is cut off is an error."""
-    import rasterio
     from rasterio._err import CPLE_BaseError
     from rasterio.errors import CRSError, RasterioError
-    from rasterio.session import DummySession
 
     try:
-        # If S3 keys are in the environment, rasterio would create a boto3 session each time, which takes as long as
-        # several tiles. A DummySession avoids this, and GDAL finds the keys itself.
-        with rasterio.Env(DummySession(), **{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}):
+        with _environment(options):
             yield
     except (RasterioError, CRSError, CPLE_BaseError, OSError) as wrong:
         # GDAL's first error is at the end of the chain of causes of rasterio's error.
@@ -384,6 +382,26 @@ def _raised_errors(options: Options) -> Iterator[None]:
         while root.__cause__ is not None:
             root = root.__cause__
         raise ReadError(root) from wrong
+
+
+def _environment(options: Options) -> AbstractContextManager[object]:
+    """Rasterio's environment; entered once in a thread for native calls, as that takes as long as a small window."""
+    import rasterio
+    from rasterio.session import DummySession
+
+    contexts = thread_contexts()
+    if contexts is not None and getattr(_entered, "options", None) is options:
+        return nullcontext()
+    # If S3 keys are in the environment, rasterio would create a boto3 session each time, which takes as long as several
+    # tiles. A DummySession avoids this, and GDAL finds the keys itself.
+    made: AbstractContextManager[object] = rasterio.Env(
+        DummySession(), **{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}
+    )
+    if contexts is None:
+        return made
+    contexts.enter_context(made)
+    _entered.options = options
+    return nullcontext()
 
 
 class RasterioFile:
@@ -512,10 +530,10 @@ def _window(box: PixelBox) -> Any:
 
 
 class _ThreadedRaster:
-    """A raster whose methods run in separate threads (`NativeCall`), which are abandoned when no longer wanted."""
+    """A raster whose methods run in a separate thread (`NativeCall`), and are abandoned when no longer wanted."""
 
     def __init__(self, file: OpenRaster, is_wanted: Callable[[], bool]) -> None:
-        self._file, self._is_wanted = file, is_wanted
+        self._file, self._is_wanted, self._thread = file, is_wanted, NativeThread()
         self._last: NativeCall[Any] | None = None
 
     def facts(self) -> Facts:
@@ -539,9 +557,10 @@ class _ThreadedRaster:
             self._file.close()
         else:
             self._last.when_ended(lambda _: self._file.close())
+        self._thread.close()
 
     def _called(self, work: Callable[[], Any]) -> Any:
-        self._last = NativeCall(work)
+        self._last = NativeCall(work, self._thread)
         return self._last.result(self._is_wanted)
 
 

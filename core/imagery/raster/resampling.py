@@ -84,6 +84,12 @@ def _step(values: Floats, axis: int) -> Floats:
     return smaller
 
 
+def are_pixels(footprints: PixelFootprints, height: int, width: int) -> bool:
+    """Whether footprints are the pixels of a raster (height, width), each once."""
+    shape = footprints.row_px.shape[0], footprints.column_px.shape[1]
+    return shape == (height, width) and _whole_pixels(footprints) == ((0, 1), (0, 1))
+
+
 def reduced(colours: Values, x: int, y: int) -> Sums:
     """Sums of values (h, w, c) over blocks of ``x`` by ``y`` pixels; blocks at the ends may be smaller."""
     if x == y == 1:

@@ -9,7 +9,7 @@ import math
 import os
 import re
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -32,16 +32,16 @@ from ..systems import MAP
 from ..tiles import KEY_ENV, check_zoom, environment_key
 from .colours import Colours, choose_colours, height_colours
 from .georeference import TILE_PX, RasterGeoreference
-from .reading import Facts, PixelBox, Pool, ReadError, Values, opener
+from .reading import Facts, OpenRaster, PixelBox, Pool, ReadError, Values, opener
 from .remote import Remote
-from .resampling import MOST_PX, PixelFootprints, Sums, means, pixel_footprints, reduced, without_mask
+from .resampling import MOST_PX, PixelFootprints, Sums, are_pixels, means, pixel_footprints, reduced, without_mask
 from .trust import FETCHED, KEY, allowed_drivers, check_virtual, file_of_part, host_of_virtual, name_for_gdal
 
 #: Least and greatest number of pixels for percentiles; an overview needs the least to be chosen.
 _SAMPLED_PX, _MOST_SAMPLED_PX = 1 << 18, 1 << 22
 #: Slivers of pixels narrower than this are not read, px: noise of positions, far below the tolerance of `means`.
 _SLIVER_PX = 1e-5
-#: Side of the parts of pixels that are copied, a common size of blocks.
+#: Side of the parts of pixels that are copied, a common size of blocks: a call takes as long as many pixels.
 _COPIED_PX = 512
 #: Placeholder of the date in a path.
 PLACEHOLDER = "{date}"
@@ -241,9 +241,8 @@ class RasterSource:
         return self._place.is_warped
 
     def parts(self, window: Window) -> list[Part]:
-        """Tiles that fill ``window``, larger ones where pixels are the raster's: calls take longer than pixels."""
-        is_copied = not self.grid.plane.wraps and window.zoom == self.grid.native_zoom
-        return tile_parts(window, self.grid, _COPIED_PX if is_copied else 0)
+        """Tiles that fill ``window``."""
+        return tile_parts(window, self.grid)
 
     def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002 (a file has one kind of picture)
         """Pixels of a part.
@@ -268,6 +267,8 @@ class RasterSource:
             self.policy.check(self.title, next(self._fetched))
         self._check_same()
         picture = self._mean_colours(pixel_footprints(*self._place.positions(part, self.grid)), part)
+        if picture.shape[2] == len(self.bands):
+            return picture
         if self._is_stretched:
             picture = self._stretched(picture)
         return without_mask(picture) if bool(picture[..., -1].all()) else picture
@@ -353,10 +354,11 @@ class RasterSource:
         # another plane, six of them.
         if own:
             highest, extent = min(native + 6, HIGHEST_ZOOM), self._place.own_extent(native)
-            return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0])
+            return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0], native_part_px=_COPIED_PX)
         return PixelGrid(TILE_PX, lowest, max(native, 22), native, extent=self._place.extent())
 
     def _mean_colours(self, footprints: PixelFootprints, part: Window) -> Values:
+        """Means over footprints, with a mask; without, if they are pixels as stored."""
         level = self._level(footprints)
         width, height = self._sizes[level]
         footprints = footprints.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
@@ -380,7 +382,9 @@ class RasterSource:
                 remedy="give it overviews, with gdaladdo",
             )
         footprints = footprints.scaled(box.left, box.top, x, y)
-        return means(self._read(level, box, x, y), footprints, x * y, self._colours.kind.data_type)
+        if self._colours.are_stored and not self._is_stretched and are_pixels(footprints, box.height, box.width):
+            return self._read(level, box, x, y, self._colours.read_stored)
+        return means(self._read(level, box, x, y, self._colours.read), footprints, x * y, self._colours.kind.data_type)
 
     def _level(self, footprints: PixelFootprints) -> int:
         """Coarsest overview with at least four pixels along each side of a footprint.
@@ -398,14 +402,14 @@ class RasterSource:
             default=0,
         )
 
-    def _read(self, level: int, box: PixelBox, x: int, y: int) -> Sums:
+    def _read(self, level: int, box: PixelBox, x: int, y: int, read: Callable[[OpenRaster, PixelBox], Values]) -> Sums:
         """Sums of values in a box over blocks of ``x`` by ``y`` px, read in strips of about four million values."""
         bottom = box.top + box.height
         rows = max((1 << 22) // (box.width * y * (len(self.bands) + 1)), 1) * y
         try:
             with self._pool.lent(level) as file:
                 strips = [
-                    reduced(self._colours.read(file, strip), x, y)
+                    reduced(read(file, strip), x, y)
                     for strip in (
                         PixelBox(box.left, top, box.width, min(rows, bottom - top))
                         for top in range(box.top, bottom, rows)

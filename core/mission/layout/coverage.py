@@ -403,7 +403,8 @@ def _polygon_coverage(
 
 def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
     """Number of different tiles in windows, without listing them."""
-    size, columns = grid.tile_px, 1 << zoom
+    size = grid.part_px(zoom)
+    columns = max(grid.world_px(zoom) // size, 1)
     pixels = joined(Rectangles(*windows.bounds_px))
     x0, y0 = pixels.x0 // size, pixels.y0 // size
     x1, y1 = np.ceil(pixels.x1 / size), np.ceil(pixels.y1 / size)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+import warnings
 
 import pytest
 from terrainav.core.errors import Cancelled
@@ -74,10 +76,46 @@ def test_a_call_gives_what_it_returns_and_raises_what_it_raises():
 
 
 def test_a_call_is_made_on_another_thread_and_leaves_none():
-    other = NativeCall(threading.current_thread)
-    assert other.result() is not threading.current_thread()
-    other._thread.join(60)
+    other = NativeCall(threading.current_thread).result()
+    assert other is not threading.current_thread()
+    other.join(60)
+    assert not other.is_alive()
     assert not native_calls._under_way()
+
+
+@pytest.mark.parametrize("is_closed", [True, False])
+def test_a_thread_makes_several_calls_until_it_is_closed_or_dropped(is_closed):
+    thread, left = native_calls.NativeThread(), []
+    made = NativeCall(threading.current_thread, thread).result()
+    NativeCall(lambda: native_calls.thread_contexts().callback(left.append, 1), thread).result()
+    with pytest.raises(ZeroDivisionError):
+        NativeCall(lambda: 1 / 0, thread).result()
+    assert NativeCall(threading.current_thread, thread).result() is made
+    made.calls.join()
+    assert made.is_alive()
+    assert not native_calls._under_way()
+    assert not left
+    if is_closed:
+        thread.close()
+    del thread
+    gc.collect()
+    made.join(60)
+    assert not made.is_alive()
+    assert left == [1]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows does not fork")
+def test_a_thread_is_started_anew_in_a_forked_process():
+    thread = native_calls.NativeThread()
+    NativeCall(lambda: 1, thread).result()
+    with warnings.catch_warnings():
+        # Python 3.12 warns of threads.
+        warnings.simplefilter("ignore")
+        child = os.fork()
+    if child == 0:
+        os._exit(NativeCall(lambda: 7, thread).result())
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    thread.close()
 
 
 def test_a_call_that_is_not_wanted_is_left_and_its_result_cleaned_up():

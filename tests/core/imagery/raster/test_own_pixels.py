@@ -79,6 +79,7 @@ def test_every_pixel_is_the_file_s(place, tmp_path, library):
     result = capture(worked_out, source, tmp_path / "out")
     source.close()
     assert result.written == len(worked_out) > 8
+    assert result.requests == result.unique_parts == worked_out.requests
     for name in worked_out.names:
         image = gdal.Open(str(tmp_path / "out" / "satellite" / f"{name}.tif"))
         assert image.GetSpatialRef().GetAuthorityCode(None) == str(epsg)
