@@ -231,7 +231,7 @@ def hills_file(folder: Path) -> str:
 
 
 def whole_image(elevation: tuple[str, ...], tilt: float, at: tuple[float, float]) -> Callable[[], object]:
-    """Work of one capture in memory: find its tiles, draw it, encode it as JPEG. Tiles are grey."""
+    """Work of one capture in memory: find its tiles, draw it, encode it as JPEG. All tiles show the same texture."""
     area = Points(((*at, 120.0),))
     mission = Mission(
         area, 120.0, CAMERA, source="world", elevation=elevation, tilt_deg=tilt, yaw_deg=30.0, upsample=True
@@ -239,7 +239,9 @@ def whole_image(elevation: tuple[str, ...], tilt: float, at: tuple[float, float]
     opened = open_source("world")
     made = plan(mission, opened.grid, mission_heights(mission))
     walls = wall_colours(made, opened, "satellite")
-    grey: dict[tuple[int, int], np.ndarray] = {}
+    # The largest tiles are of 512 px.
+    texture = np.random.default_rng(1).integers(64, 192, (64, 64, 3), np.uint8).repeat(8, axis=0).repeat(8, axis=1)
+    drawn: dict[tuple[int, int], np.ndarray] = {}
 
     def work() -> None:
         found = make_shot(made, 0)
@@ -247,7 +249,9 @@ def whole_image(elevation: tuple[str, ...], tilt: float, at: tuple[float, float]
             picture_parts(made, opened, 0) if not hasattr(found, "tiles") else parts_of_tiles(made.grid, found.tiles)
         )
         sizes = {part.window: (part.window.height_px, part.window.width_px) for part in parts}
-        pixels = {one: grey.setdefault(size, np.full((*size, 3), 127, np.uint8)) for one, size in sizes.items()}
+        for height, width in set(sizes.values()) - drawn.keys():
+            drawn[height, width] = np.ascontiguousarray(texture[:height, :width])
+        pixels = {one: drawn[size] for one, size in sizes.items()}
         picture = draw(found, parts, pixels, walls=walls).pixels[..., :3]
         Image.fromarray(picture).save(BytesIO(), "JPEG", quality=JPEG_QUALITY)
 

@@ -240,7 +240,7 @@ class Surface:
             starts, ways = _columns(start), np.ascontiguousarray(coefficients)
             kernels.search(self.grid_heights_m, *self._blocks, starts, ways, longest, farthest, found)
             return Hits(*found)
-        t, _ = self.clear(start, coefficients, np.zeros(len(farthest)), farthest, None, 0)
+        t, _ = self.clear(start, coefficients, np.zeros(len(farthest)), farthest, None)
         return self.search_cells(start, coefficients, t, farthest)
 
     def _longest(self, start: Floats, most: Floats, farthest: Floats | float, off_per_t: float) -> Floats:
@@ -467,7 +467,7 @@ class Surface:
             flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
             begin = t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
             clear, may_hit = self.clear(
-                start, middle.reshape(flat), begin.ravel(), np.full(begin.size, farthest), spread.reshape(pairs), 0
+                start, middle.reshape(flat), begin.ravel(), np.full(begin.size, farthest), spread.reshape(pairs)
             )
             t, larger = np.where(may_hit, clear, np.inf).reshape(middle.shape[2:]), side
             if np.isinf(t).all():
@@ -629,7 +629,6 @@ class Surface:
         after: Floats,
         farthest: Floats,
         spread: Floats | None,
-        least_level: int,
     ) -> tuple[Floats, Flags]:
         """Follow rays, or bundles of rays, for as long as they certainly hit nothing.
 
@@ -642,8 +641,6 @@ class Surface:
         spread : array (degree, 2, n), or None
             Largest distance of the other rays of a bundle from the middle one: coefficients of t, t², …, in pixels and
             in metres of height.
-        least_level : int
-            Lowest level of the pyramid to use.
 
         Returns
         -------
@@ -683,14 +680,14 @@ class Surface:
             free = roomy & (over > np.maximum(fall, 0.0))
             partly = roomy & ~free & (over > 0.0)
             reach = t + np.where(partly, over / np.where(partly, fall, 1.0), 0.0) * (ahead - t)
-            stuck = ~free & ((level <= least_level) | ~roomy)
+            stuck = ~free & ((level <= 0) | ~roomy)
             gone = ~stuck & (
                 (ahead >= end) & free
                 | self._leaves(x, y, per_x, per_y, wide, widens)
                 | (h + deep < self.lowest_m - _TOUCHING_M)
             )
             t = np.where(free, ahead, np.where(partly, reach, t))
-            level = np.where(free, np.minimum(level + 1, tops.levels - 1), np.maximum(level - 1, least_level))
+            level = np.where(free, np.minimum(level + 1, tops.levels - 1), np.maximum(level - 1, 0))
             done = stuck | gone
             if done.any():
                 at, keep = np.flatnonzero(done), np.flatnonzero(~done)
@@ -731,7 +728,7 @@ class Surface:
         for count in range(_MOST_STEPS):
             # Every eight cells, try again to skip whole blocks.
             if count % 8 == 7:
-                t, may_hit = self.clear(start, c, t, end, None, 0)
+                t, may_hit = self.clear(start, c, t, end, None)
                 left = np.flatnonzero(may_hit)
                 index, t, end, over = _only(left, index, t, end, over)
                 start, c = _take_starts(start, left), c.take(left, axis=2)

@@ -447,10 +447,12 @@ def compile_code() -> None:
     if not uses_numba():
         return
     grid, zoom = PixelGrid(), 18
-    surface = Surface(grid, zoom, 0, grid.world_px(zoom) // 2, np.zeros((4, 4)))
+    surface = Surface(grid, zoom, 0, grid.world_px(zoom) // 2, np.zeros((4, 4), np.float32))
     (lat,), (lon,) = surface.places(np.array([1.5]), np.array([1.5]))
     down = PixelRays(np.array([-0.05, 0.05, -1.0]), np.array([0.01, 0.0, 0.0]), np.array([0.0, -0.01, 0.0]), 10, 10)
     paths, farthest, _ = surface.paths(lat, lon, 10.0, down, 0.1)
     hits = surface.image_hits(paths, down, (np.zeros((10, 10)), np.full((10, 10), farthest)), 0.1)
-    samples, _ = Seen(surface, hits, paths.forms[0][:2, :2], down).samples(lon, grid, (0, zoom))
+    seen = Seen(surface, hits, paths.forms[0][:2, :2], down)
+    seen.steep_faces()
+    samples, _ = seen.samples(lon, grid, (0, zoom))
     View(10, 10, grid, (), tuple(samples), None, None, 0.0).tiles(lon)
