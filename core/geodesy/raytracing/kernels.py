@@ -1,4 +1,4 @@
-"""Rays followed one by one, compiled: the same as the rest of `Surface.first_hits` and `image_hits`, many times as fast.
+"""Rays followed one by one, compiled: the same as `Surface.first_hits` and `image_hits`, many times as fast.
 
 Needs numba; see `compiling`.
 """
