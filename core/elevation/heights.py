@@ -219,7 +219,7 @@ class TiledHeights:
         In tiles narrower than 30 km, heights are interpolated between 17 points along each side: geoids are straight
         to a centimetre between these.
         """
-        size = self.grid.tile_px
+        size = tile.width_px
         middle = self._positions(tile, np.array([size / 2.0]), np.array([size / 2.0]))
         width_m = float(self.grid.ground_m_per_px(middle[0], middle[1], tile.zoom)[0]) * size
         positions = np.arange(size, dtype=np.float64)
