@@ -14,7 +14,7 @@ from ...arrays import Floats, Numbers
 from ...external.compiling import compiled
 
 
-class Blocks(NamedTuple):
+class HeightBlocks(NamedTuple):
     """Greatest heights in blocks of 2 x 2, 4 x 4, … cells; minus infinity without ground.
 
     ``flat`` holds the levels one after the other; level i, from 1 on, begins at ``first[i]`` and has ``high[i]`` rows
@@ -27,7 +27,7 @@ class Blocks(NamedTuple):
     wide: Numbers
 
     @classmethod
-    def build(cls, heights_m: Floats) -> Blocks:
+    def build(cls, heights_m: Floats) -> HeightBlocks:
         """Build the blocks of heights (rows, columns) at the corners of cells."""
         shapes = [(heights_m.shape[0] - 1, heights_m.shape[1] - 1)]
         while len(shapes) == 1 or max(shapes[-1]) > 1:
@@ -51,7 +51,7 @@ class Rules(NamedTuple):
 
 
 @compiled
-def _fill_blocks(heights: Floats, blocks: Blocks) -> None:
+def _fill_blocks(heights: Floats, blocks: HeightBlocks) -> None:
     """Fill in the greatest heights of all blocks."""
     rows, columns = heights.shape
     for level in range(1, len(blocks.first)):
@@ -74,7 +74,7 @@ def _fill_blocks(heights: Floats, blocks: Blocks) -> None:
 
 
 @compiled
-def _top(blocks: Blocks, level: int, i: int, j: int) -> float:
+def _top(blocks: HeightBlocks, level: int, i: int, j: int) -> float:
     """Greatest height of a block, which may lie beside the surface."""
     if i < 0 or j < 0 or i >= blocks.high[level] or j >= blocks.wide[level]:
         return -np.inf
@@ -120,7 +120,7 @@ def _leaves(
 
 
 @compiled
-def _highest(blocks: Blocks, level: int, low_x: float, high_x: float, low_y: float, high_y: float) -> float:
+def _highest(blocks: HeightBlocks, level: int, low_x: float, high_x: float, low_y: float, high_y: float) -> float:
     """Greatest height of the blocks that a rectangle touches."""
     size = 1.0 / (1 << level)
     top = -np.inf
@@ -136,7 +136,7 @@ def _highest(blocks: Blocks, level: int, low_x: float, high_x: float, low_y: flo
 
 @compiled
 def _clear(
-    blocks: Blocks, rules: Rules, start: Floats, c: Floats, spread: Floats, t: float, end: float, level: int
+    blocks: HeightBlocks, rules: Rules, start: Floats, c: Floats, spread: Floats, t: float, end: float, level: int
 ) -> float:
     """Follow a bundle while it certainly hits nothing: t from which on it may hit something; infinite if it does not.
 
@@ -152,7 +152,7 @@ def _clear(
         per_x, per_y = _slope(c, 0, t), _slope(c, 1, t)
         size = float(1 << level)
         wide, widens = _value(spread, 0, t), _slope(spread, 0, t)
-        # Blocks that are not much wider than the bundle allow only tiny steps.
+        # HeightBlocks that are not much wider than the bundle allow only tiny steps.
         roomy = wide <= 0.5 * size
         per_t = rules.speeding * max(max(abs(per_x), abs(per_y)) + widens, rules.slowest)
         step = (size - wide) / per_t if roomy else 0.0
@@ -285,7 +285,7 @@ def _chord(
 @compiled
 def _search(
     heights: Floats,
-    blocks: Blocks,
+    blocks: HeightBlocks,
     rules: Rules,
     start: Floats,
     c: Floats,
@@ -359,7 +359,7 @@ def _search(
 @compiled
 def search(
     heights: Floats,
-    blocks: Blocks,
+    blocks: HeightBlocks,
     rules: Rules,
     start: Floats,
     c: Floats,
@@ -464,7 +464,7 @@ def _begins_below(heights: Floats, start: Floats, c: Floats, t: float) -> tuple[
 @compiled
 def image_hits(
     heights: Floats,
-    blocks: Blocks,
+    blocks: HeightBlocks,
     rules: Rules,
     start: Floats,
     forms: Floats,
@@ -505,7 +505,7 @@ def image_hits(
 @compiled
 def _search_bundle(
     heights: Floats,
-    blocks: Blocks,
+    blocks: HeightBlocks,
     rules: Rules,
     start: Floats,
     forms: Floats,

@@ -16,7 +16,7 @@ from .paths import Paths, evaluate, fit_paths, interpolate_rays
 from .pyramid import Pyramid
 
 if TYPE_CHECKING:
-    from .kernels import Blocks, Rules
+    from .kernels import HeightBlocks, Rules
 
 #: Sides, px, of square bundles of pixels followed together; each bundle leads the smaller ones in it near the ground.
 _BUNDLES_PX = (64, 16, 4)
@@ -205,11 +205,11 @@ class Surface:
         return np.ascontiguousarray(self.heights_m, kind)
 
     @cached_property
-    def _blocks(self) -> tuple[Blocks, Rules]:
+    def _blocks(self) -> tuple[HeightBlocks, Rules]:
         """What `kernels` need of the surface beside its heights."""
-        from .kernels import Blocks, Rules
+        from .kernels import HeightBlocks, Rules
 
-        blocks = Blocks.build(self.grid_heights_m)
+        blocks = HeightBlocks.build(self.grid_heights_m)
         return blocks, Rules(self.lowest_m, _TOUCHING_M, _SPEEDING, _SLOWEST, _MOST_STEPS)
 
     def heights(self, column: Floats, row: Floats) -> Floats:
@@ -668,7 +668,7 @@ class Surface:
             if s is not None:
                 wide, widens = _polynomial(s[:, 0], t), _slope(s[:, 0], t)
                 per_t = per_t + widens
-            # Blocks that are not much wider than the bundle allow only tiny steps.
+            # HeightBlocks that are not much wider than the bundle allow only tiny steps.
             roomy = wide <= 0.5 * size
             step = np.where(roomy, size - wide, 0.0) / (_SPEEDING * np.maximum(per_t, _SLOWEST))
             ahead = np.minimum(t + step, end)
