@@ -494,10 +494,10 @@ def _pairs_of_edges(lon0: Floats, lon1: Floats) -> Iterator[tuple[Numbers, Numbe
             total,
             MAX_PAIRS_OF_SIDES,
         )
-    return _pairs(np.arange(1, len(west) + 1), counts)
+    return pairs_in_batches(np.arange(1, len(west) + 1), counts)
 
 
-def _pairs(first: Numbers, counts: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
+def pairs_in_batches(first: Numbers, counts: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
     """Yield pairs of each index of ``first`` (n,) with ``counts`` numbers from ``first`` on, in batches."""
     totals = np.cumsum(counts)
     start = 0
@@ -686,7 +686,7 @@ def polygon_contains(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
     # The parallels of these places cross an edge; edges include their southern ends.
     first, end = (np.searchsorted(lat, side(edges[1], edges[3])) for side in (np.minimum, np.maximum))
     crossings = np.zeros(len(lat), np.int64)
-    for edge, at in _pairs(first, end - first):
+    for edge, at in pairs_in_batches(first, end - first):
         before = _crossing(_select(edges, edge), lat[at]) < lon[at]
         crossings += np.bincount(at[before], minlength=len(lat))
     held = np.zeros(len(lat), bool)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,13 +17,13 @@ from ...geodesy.ellipsoid import WGS84, sight_lines, sin_cos
 from ...geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.raytracing.surface import Surface
-from ..areas.area import ANGLES, Area, Points, area_contains
+from ..areas.area import ANGLES, Area, Points, area_contains, pairs_in_batches
 from ..flight.legs import legs
 from ..layout.rows import Layout, point_angles_deg, sees_below
 from ..mission import Mission
 from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 from .ground import Flown, Heights, Relief, ReliefFigures, level_ground, refuse_hole
-from .path_ground import ReliefPathGround, TiledPathGround, cell_size_m, highest_around, lowest_around
+from .path_ground import BATCH, ReliefPathGround, TiledPathGround, cell_size_m, highest_around, lowest_around
 
 #: Tangent of the angle off the vertical up to which the relief is searched for ground that an image may see.
 _MAX_TANGENT = 4.0
@@ -410,39 +410,44 @@ class ModelledRelief:
         rows, columns = surface.cells
         # Every n-th cell is enough, as tops include the cells around.
         step = max(int(math.sqrt(rows * columns / 4e6)), 1)
-        column, row = (
-            at.ravel() for at in np.meshgrid(np.arange(0.0, columns + 1.0, step), np.arange(0.0, rows + 1.0, step))
-        )
-        at_lat, at_lon = surface.places(column, row)
         middle = (west + east) / 2.0
-        at_lon = at_lon - 360.0 * np.rint((at_lon - middle) / 360.0)
         # Captures of a row are up to half an image outside the area.
         room = np.degrees(self.radius_m / WGS84.b_m)
-        near = (at_lat >= south - room) & (at_lat <= north + room)
         wide = room / max(math.cos(math.radians(min(max(abs(south), abs(north)), 89.0))), 1e-3)
-        near &= (at_lon >= west - wide) & (at_lon <= east + wide)
-        at_lat, at_lon = at_lat[near], at_lon[near]
-        low, ground = self.wanted_m(at_lat, at_lon)
-        high = low
-        if mission.terrain.height_above == GROUND:
-            # Between the centres of cells the ground may be lower or higher than at these.
-            low, high = (
-                find(at_lat, at_lon) + mission.flight.agl_m for find in (self._low, highest_around(self._ground, 0.0))
-            )
-        tops = np.where(np.isnan(ground), np.nan, self._tops(at_lat, at_lon))
         edges = np.linspace(south - room, north + room, 2048 + 1)
-        bins = np.clip(np.searchsorted(edges, at_lat) - 1, 0, len(edges) - 2)
         centres = (edges[1:] + edges[:-1]) / 2.0
         metres = np.radians(centres - centres[0]) * WGS84.b_m
-        least, most = _lower_bound(low - tops, bins, metres), -_lower_bound(tops - high, bins, metres)
+        over_tops, over_highest = np.full((2, len(centres)), np.inf)
+        deepest_m = -math.inf
+        above_ground = mission.terrain.height_above == GROUND
+        highest = highest_around(self._ground, 0.0) if above_ground else None
+        bottoms = None if sees_below(mission) else lowest_around(surface, self.radius_m)
+        all_columns, all_rows = np.arange(0.0, columns + 1.0, step), np.arange(0.0, rows + 1.0, step)
+        for some_rows in np.array_split(all_rows, len(all_rows) * len(all_columns) // BATCH + 1):
+            column, row = (at.ravel() for at in np.meshgrid(all_columns, some_rows))
+            at_lat, at_lon = surface.places(column, row)
+            at_lon = at_lon - 360.0 * np.rint((at_lon - middle) / 360.0)
+            near = (at_lat >= south - room) & (at_lat <= north + room)
+            near &= (at_lon >= west - wide) & (at_lon <= east + wide)
+            at_lat, at_lon = at_lat[near], at_lon[near]
+            low, ground = self.wanted_m(at_lat, at_lon)
+            high = low
+            if highest is not None:
+                # Between the centres of cells the ground may be lower or higher than at these.
+                low, high = (find(at_lat, at_lon) + mission.flight.agl_m for find in (self._low, highest))
+            tops = np.where(np.isnan(ground), np.nan, self._tops(at_lat, at_lon))
+            bins = np.clip(np.searchsorted(edges, at_lat) - 1, 0, len(edges) - 2)
+            for least, values in ((over_tops, low - tops), (over_highest, tops - high)):
+                known = np.isfinite(values)
+                np.minimum.at(least, bins[known], values[known])
+            if bottoms is not None:
+                deepest_m = max(deepest_m, float(np.nanmax(high - bottoms(at_lat, at_lon), initial=-np.inf)))
+        least, most = _lower_bound(over_tops, metres), -_lower_bound(over_highest, metres)
         if not np.isfinite(least).all():
             refuse_hole(south, west)
         # Lower flights are refused.
         least, most = (np.maximum(over, _MIN_SEEN_SHARE * mission.flight.agl_m) for over in (least, most))
-        if sees_below(mission):
-            return centres, least, most, float(most.max())
-        bottoms = lowest_around(surface, self.radius_m)(at_lat, at_lon)
-        return centres, least, most, float(np.nanmax(high - bottoms))
+        return centres, least, most, float(most.max()) if bottoms is None else deepest_m
 
     @property
     def deepest_m(self) -> float:
@@ -527,7 +532,12 @@ class ModelledRelief:
         Estimated from `_SAMPLES` points spread over the area.
         """
         lat, lon, height = self._area_samples()
-        point, camera, vectors = self._containing(poses, height_m, corners, (lat, lon, height))
+        candidates = _Candidates.near(lat, lon, poses, corners)
+        pairs = candidates.pairs(np.arange(len(lat)), 0, len(height_m))
+        blocks = [self._containing(poses, height_m, (lat, lon, height), *some) for some in pairs]
+        if not blocks:
+            return 0.0
+        point, camera, vectors = (np.concatenate(parts) for parts in zip(*blocks))
         dlon = lon[point] - poses.lon_deg[camera]
         held = np.arange(len(point))
         # The camera with the steepest view of a point usually sees the point, so try this camera first.
@@ -559,17 +569,28 @@ class ModelledRelief:
         spread, edge = self._area_samples(), self._surface_points(*_edge_points(area))
         lat, lon, height = (np.concatenate(parts) for parts in zip(spread, edge))
         missed = np.ones(len(lat), bool)
-        missed[self._containing(poses, height_m, corners, (lat, lon, height))[0]] = False
+        candidates = _Candidates.near(lat, lon, poses, corners)
+        # Most points are in one of a few images: more are tried for the rest alone.
+        left, first, last = np.arange(len(lat)), 0, 16
+        while len(left):
+            for pairs in candidates.pairs(left, first, last):
+                missed[self._containing(poses, height_m, (lat, lon, height), *pairs)[0]] = False
+            left = left[missed[left] & (candidates.counts[left] > last).any(axis=1)]
+            first, last = last, 3 * last
         for polygon in self.mission.no_fly:
             missed &= ~area_contains(polygon, lat, lon)
         return float(missed.sum()) / max(len(lat), 1)
 
     def _containing(
-        self, poses: Poses, height_m: Floats, corners: Corners, points: tuple[Floats, Floats, Floats]
+        self,
+        poses: Poses,
+        height_m: Floats,
+        points: tuple[Floats, Floats, Floats],
+        point: Numbers,
+        camera: Numbers,
     ) -> tuple[Numbers, Numbers, Floats]:
-        """Pairs of a surface point and a capture whose image contains it, by index, and vectors to the point (m, 3)."""
+        """Those pairs of a surface point and a capture, by index, whose image contains it, and vectors to it (m, 3)."""
         lat, lon, height = points
-        point, camera = _candidate_pairs(lat, lon, poses, corners)
         # Sight lines lead to the ellipsoid; points lie above it, along its normals.
         dlon = lon[point] - poses.lon_deg[camera]
         vectors = sight_lines(poses.lat_deg[camera], height_m[camera], lat[point], dlon)
@@ -727,33 +748,51 @@ def _edge_points(area: Area) -> tuple[Floats, Floats]:
     return lat, lon
 
 
-def _candidate_pairs(lat: Floats, lon: Floats, poses: Poses, corners: Corners) -> tuple[Numbers, Numbers]:
-    """Pairs, by index, of a point (n,) and a capture whose image may contain it: neighbours in a grid of images."""
-    north_m = math.radians(1.0) * WGS84.b_m
-    east_m = north_m * math.cos(math.radians(float(np.clip(np.mean(lat), -89.0, 89.0)))) if len(lat) else 1.0
-    corner_lon = poses.lon_deg[:, np.newaxis] + wrap_lon_deg(corners.lon_deg - poses.lon_deg[:, np.newaxis])
-    x, y = corner_lon * east_m, corners.lat_deg * north_m
-    middle = np.stack([np.nanmean(x, axis=1), np.nanmean(y, axis=1)], axis=1)
-    reach = float(np.nanmax(np.hypot(x - middle[:, :1], y - middle[:, 1:]), initial=1.0))
-    points = np.stack([lon * east_m, lat * north_m], axis=1)
-    start = np.minimum(np.nanmin(middle, axis=0), points.min(axis=0, initial=np.inf))
-    # An image may extend 5 % beyond its corners.
-    (point_x, point_y), (x_at, y_at) = (
-        np.floor((at - start) / (1.05 * reach)).astype(np.int64).T + 1 for at in (points, middle)
-    )
-    wide = int(max(point_x.max(initial=0), x_at.max(initial=0))) + 2
-    order = np.argsort(y_at * wide + x_at, kind="stable")
-    keys = (y_at * wide + x_at)[order]
-    pairs = []
-    for row in (-1, 0, 1):
+class _Candidates(NamedTuple):
+    """Captures whose images may contain points: neighbours in a grid of images.
+
+    Attributes
+    ----------
+    first, counts : array (n, 3)
+        Ranges of ``order`` for each point, one for each row of the grid.
+    order : array (m,)
+        Captures by their cell in the grid.
+    """
+
+    first: Numbers
+    counts: Numbers
+    order: Numbers
+
+    @classmethod
+    def near(cls, lat: Floats, lon: Floats, poses: Poses, corners: Corners) -> _Candidates:
+        """Candidates of points (n,)."""
+        north_m = math.radians(1.0) * WGS84.b_m
+        east_m = north_m * math.cos(math.radians(float(np.clip(np.mean(lat), -89.0, 89.0)))) if len(lat) else 1.0
+        corner_lon = poses.lon_deg[:, np.newaxis] + wrap_lon_deg(corners.lon_deg - poses.lon_deg[:, np.newaxis])
+        x, y = corner_lon * east_m, corners.lat_deg * north_m
+        middle = np.stack([np.nanmean(x, axis=1), np.nanmean(y, axis=1)], axis=1)
+        reach = float(np.nanmax(np.hypot(x - middle[:, :1], y - middle[:, 1:]), initial=1.0))
+        points = np.stack([lon * east_m, lat * north_m], axis=1)
+        start = np.minimum(np.nanmin(middle, axis=0), points.min(axis=0, initial=np.inf))
+        # An image may extend 5 % beyond its corners.
+        (point_x, point_y), (x_at, y_at) = (
+            np.floor((at - start) / (1.05 * reach)).astype(np.int64).T + 1 for at in (points, middle)
+        )
+        wide = int(max(point_x.max(initial=0), x_at.max(initial=0))) + 2
+        keys = y_at * wide + x_at
+        # Neighbours in flight are far apart among the captures of a cell.
+        spread = np.argsort(np.mod(np.arange(len(keys)) * 0.6180339887498949, 1.0))
+        order = spread[np.argsort(keys[spread], kind="stable")]
         # The three cells of a row have consecutive keys.
-        key = (point_y + row) * wide + point_x
-        first, last = np.searchsorted(keys, key - 1), np.searchsorted(keys, key + 1, side="right")
-        counts = last - first
-        at = np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(counts.sum())
-        pairs.append((np.repeat(np.arange(len(lat)), counts), order[at]))
-    point, camera = (np.concatenate(values) for values in zip(*pairs))
-    return point, camera
+        key = (point_y[:, np.newaxis] + np.array([0, -1, 1])) * wide + point_x[:, np.newaxis]
+        first = np.searchsorted(keys[order], key - 1)
+        return cls(first, np.searchsorted(keys[order], key + 1, side="right") - first, order)
+
+    def pairs(self, points: Numbers, start: int, stop: int) -> Iterator[tuple[Numbers, Numbers]]:
+        """Yield pairs of points and candidates in batches: of each row, the ``start``-th up to the ``stop``-th."""
+        counts = np.clip(self.counts[points] - start, 0, stop - start)
+        for at, place in pairs_in_batches((self.first[points] + start).ravel(), counts.ravel()):
+            yield points[at // 3], self.order[place]
 
 
 def _normals_enu(lat_deg: Floats, at_lat_deg: Floats, dlon_deg: Floats) -> Floats:
@@ -802,16 +841,13 @@ def _extremes(
     return found
 
 
-def _lower_bound(values: Floats, bins: Numbers, metres: Floats) -> Floats:
-    """Greatest function of ``metres`` (b,) that is below all values (m,) in their bins and changes slowly.
+def _lower_bound(least: Floats, metres: Floats) -> Floats:
+    """Greatest function of ``metres`` (b,) that is below the least values (b,) of bins and changes slowly.
 
-    NaN values are ignored; the function is infinite if all values are NaN.
+    Bins without values have infinity; so has the function if all have.
     """
-    least = np.full(len(metres), np.inf)
-    known = np.flatnonzero(np.isfinite(values))
-    np.minimum.at(least, bins[known], values[known])
     # A value counts for both adjacent bins, as functions are interpolated between bin centres.
-    least[1:-1] = np.minimum(np.minimum(least[:-2], least[1:-1]), least[2:])
+    least = np.append(least[0], np.append(np.minimum(np.minimum(least[:-2], least[1:-1]), least[2:]), least[-1]))
     # Slopes of 5 % at most let the search for rows converge.
     slopes = 0.05 * metres
     found: Floats = np.minimum(

@@ -20,6 +20,8 @@ from .ground import Profile
 _PIECE_M = 250.0
 #: Cells along a side of the tiles in which large areas are read.
 _TILE_CELLS = 1024
+#: Positions whose heights are looked up together, which bounds memory.
+BATCH = 1 << 16
 
 
 class ReliefPathGround:
@@ -244,11 +246,15 @@ def _highest_pixels(surface: Surface, reach: int) -> Callable[[Floats, Floats], 
         top = _running_max(top, min(reach, top.shape[axis] - 1), axis)
 
     def highest(lat_deg: Floats, lon_deg: Floats) -> Floats:
-        column, row = surface.position(lat_deg, lon_deg)
-        i = np.clip(np.rint(row), 0, top.shape[0] - 1).astype(np.int64)
-        j = np.clip(np.rint(column), 0, top.shape[1] - 1).astype(np.int64)
-        found = top[i, j].astype(np.float64)
-        return np.where(np.isfinite(found), found, np.nan)
+        found = np.empty(len(lat_deg))
+        for start in range(0, len(found), BATCH):
+            some = slice(start, start + BATCH)
+            column, row = surface.position(lat_deg[some], lon_deg[some])
+            i = np.clip(np.rint(row), 0, top.shape[0] - 1).astype(np.int64)
+            j = np.clip(np.rint(column), 0, top.shape[1] - 1).astype(np.int64)
+            found[some] = top[i, j]
+        found[~np.isfinite(found)] = np.nan
+        return found
 
     return highest
 

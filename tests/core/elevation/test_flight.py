@@ -21,6 +21,7 @@ from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.relief import modelled
 from terrainav.core.picture.heights import mission_heights
 
 from tests.core.mission.qgc_survey import checked, photos
@@ -572,6 +573,27 @@ def test_ground_that_relief_hides_from_all_images_is_told(dem, values):
     assert hidden > 0.02
     assert found.hidden_share == pytest.approx(hidden, abs=0.008)
     assert f"relief hides about {100 * found.hidden_share:.1f} %" in dict(found.lines())["coverage"]
+
+
+def test_points_and_images_are_paired_in_steps(dem):
+    """Steps list no pair twice, and miss no image near a point."""
+    made = flown(Mission(AREA, 90.0, elevation=(dem["town"],), tilt_deg=50.0))
+    rng = np.random.default_rng(5)
+    lat = rng.uniform(AREA.south_deg, AREA.north_deg, 100)
+    lon = rng.uniform(AREA.west_deg, AREA.east_deg, 100)
+    ground = np.full(len(lat), float(np.median(made.ground_m)))
+    candidates = modelled._Candidates.near(lat, lon, made.poses, made.corners)
+    steps = ((0, 2), (2, 7), (7, len(made)))
+    pairs = [
+        (int(point), int(camera))
+        for first, last in steps
+        for some in candidates.pairs(np.arange(len(lat)), first, last)
+        for point, camera in zip(*some)
+    ]
+    assert len(set(pairs)) == len(pairs)
+    held = [(at, index) for index in range(len(made)) for at in np.flatnonzero(seen_by(made, lat, lon, ground, only=[index]))]
+    assert held
+    assert set(held) <= set(pairs)
 
 
 # --- the path between captures
