@@ -591,9 +591,9 @@ def test_points_and_images_are_paired_in_steps(dem):
         for point, camera in zip(*some)
     ]
     assert len(set(pairs)) == len(pairs)
-    held = [(at, index) for index in range(len(made)) for at in np.flatnonzero(seen_by(made, lat, lon, ground, only=[index]))]
-    assert held
-    assert set(held) <= set(pairs)
+    for index in range(len(made)):
+        held = np.flatnonzero(seen_by(made, lat, lon, ground, only=[index])).tolist()
+        assert {(at, index) for at in held} <= set(pairs)
 
 
 # --- the path between captures
