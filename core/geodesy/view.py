@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -78,6 +78,17 @@ class Samples(NamedTuple):
     column: Numbers
     du: Floats
     v: Floats
+
+
+def joined(parts: Sequence[Samples]) -> list[Samples]:
+    """Samples with one part for each zoom and number of samples a pixel."""
+    kinds: dict[tuple[int, int], list[Samples]] = {}
+    for part in parts:
+        kinds.setdefault((part.zoom, part.du.shape[1]), []).append(part)
+    return [
+        same[0] if len(same) == 1 else Samples(zoom, *(np.concatenate(one) for one in list(zip(*same))[1:]))
+        for (zoom, _), same in kinds.items()
+    ]
 
 
 @dataclass(frozen=True, eq=False)

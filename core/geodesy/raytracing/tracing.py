@@ -16,7 +16,7 @@ from ..accuracy import ImageGeometry
 from ..camera import Poses
 from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace
 from ..mercator import PixelGrid, wrap_lon_deg
-from ..view import ImageRays, View
+from ..view import ImageRays, View, joined
 from .paths import Paths
 from .seen import STEEP, Seen
 from .surface import PixelRays, Surface
@@ -422,7 +422,7 @@ class Tracing:
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
         """Map the image to a source's pixels; positions count from the camera's meridian."""
         found = [one.samples(self.place[1], grid, zooms) for one in self._seen]
-        samples = [part for parts, _ in found for part in parts]
+        samples = joined([part for parts, _ in found for part in parts])
         unmapped = ~self.sky
         for part in samples:
             unmapped[part.row, part.column] = False
