@@ -26,7 +26,7 @@ from ..timing import ORDER_SEED, QUICK, THOROUGH, Effort, Seconds, timed, timed_
 from . import positions
 from .footprints import FOOTPRINTS, footprint_methods
 from .pictures import BY_RAYS, Bench, Encoding, PartCache, Rendering, Resampling, encodings, resampling
-from .pixels import PixelMethod, pixel_methods
+from .pixels import pixel_methods
 from .positions import floor_px
 from .wind import WindEffect, wind_effect
 
@@ -358,7 +358,8 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
     kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else "bilinear"
     own_tolerance_px = next((one.tolerance_px for one in methods if one.own), None)
     kernels = [] if own_tolerance_px is None else [Rendering(own_tolerance_px, name) for name in KERNELS]
-    renderings = list(dict.fromkeys([*(_rendering(one, kernel) for one in methods), *kernels]))
+    ways = [one.rendering._replace(kernel=kernel) for one in methods]
+    renderings = list(dict.fromkeys([*ways, *kernels]))
     frames, map_cost = bench.camera_frames(renderings, map_frame=not on_map.outside)
     costs = dict(zip(renderings, frames))
     pictures = [Measured(on_map)]
@@ -371,15 +372,11 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
     errors_px, chosen = positions.mesh_errors(plan, 0.0).errors_px, choice.method.name == "camera"
     pictures.append(_measured(by_camera, errors_px, frame.seconds, chosen=chosen, size=frame.size_bytes))
     pixels = []
-    for one in methods:
-        cost, chosen = costs[_rendering(one, kernel)], one.own and plan.accuracy.pixels is not None
+    for one, way in zip(methods, ways):
+        cost, chosen = costs[way], one.own and plan.accuracy.pixels is not None
         measured = _measured(one.method, one.errors_px, cost.seconds, chosen=chosen, size=cost.size_bytes)
         pixels.append(replace(measured, own_reached_px=one.reached_px, same_px=one.same_px))
     return tuple(pictures), tuple(pixels), tuple(Kernel(way.kernel, costs[way].seconds) for way in kernels)
-
-
-def _rendering(one: PixelMethod, kernel: str) -> Rendering:
-    return Rendering(one.tolerance_px, kernel, one.level, one.compiled)
 
 
 def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Saving]:

@@ -51,6 +51,7 @@ class Rendering(NamedTuple):
     tolerance_px : float
         Tolerance of the mesh, 0 for rays; over relief, tolerance of the rays.
     kernel : str
+        Empty for the view alone, which kernels without rays share.
     level : bool
         Replace relief by level ground at the height below the camera.
     compiled : bool
@@ -58,7 +59,7 @@ class Rendering(NamedTuple):
     """
 
     tolerance_px: float
-    kernel: str
+    kernel: str = ""
     level: bool = False
     compiled: bool = True
 
@@ -141,7 +142,6 @@ class Bench:
         """
         plan = self.plan
         rows = len(plane_runs(plan.grid, plan.poses)[0]) if plan.relief.is_level else len(plan)
-        # Kernels without rays share a view.
         kinds = [way._replace(kernel=way.kernel if way.kernel == BY_RAYS else "") for way in ways]
         view_makers = {kind: partial(self._view, kind) for kind in kinds}
         views = {kind: make() for kind, make in view_makers.items()}

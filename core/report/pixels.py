@@ -23,6 +23,7 @@ from ..mission.methods import (
     relief_rays,
 )
 from ..mission.plan import Plan
+from .pictures import Rendering
 from .positions import mesh_errors, relief_errors_px
 
 #: Ratio of the tolerances of successive meshes.
@@ -42,8 +43,8 @@ class PixelMethod(NamedTuple):
 
     Attributes
     ----------
-    tolerance_px : float
-        Tolerance of the mesh, 0 for rays; over relief, tolerance of the rays.
+    rendering : Rendering
+        Without a kernel.
     own : bool
         Whether the plan uses the method.
     errors_px : array (n,)
@@ -52,20 +53,19 @@ class PixelMethod(NamedTuple):
         Bound that the mesh reaches; None if it is the method's.
     same_px : tuple of float
         Other tolerances that give the same positions.
-    level : bool
-        Whether relief is ignored.
-    compiled : bool
-        Whether rays over relief are followed by compiled code where it is installed.
     """
 
     method: Method
-    tolerance_px: float
+    rendering: Rendering
     own: bool
     errors_px: Floats
     reached_px: float | None = None
     same_px: tuple[float, ...] = ()
-    level: bool = False
-    compiled: bool = True
+
+    @property
+    def tolerance_px(self) -> float:
+        """Tolerance of the mesh, 0 for rays; over relief, tolerance of the rays."""
+        return self.rendering.tolerance_px
 
 
 def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
@@ -92,9 +92,9 @@ def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
             same_px = (*coarser.same_px, coarser.tolerance_px)
         is_own = own is not None and tolerance_px == first_px
         cells, made = drawn.cells, own if own is not None and is_own else method
-        found.append(PixelMethod(made, tolerance_px, is_own, drawn.errors_px, drawn.reached_px, same_px))
+        found.append(PixelMethod(made, Rendering(tolerance_px), is_own, drawn.errors_px, drawn.reached_px, same_px))
     # Rays give the camera frame's positions, whose error is counted in that stage.
-    return [*found, *_finer(plan, scene, found[-1]), PixelMethod(TRACED, 0.0, own is None, np.zeros(1))]
+    return [*found, *_finer(plan, scene, found[-1]), PixelMethod(TRACED, Rendering(0.0), own is None, np.zeros(1))]
 
 
 def _finer(plan: Plan, scene: ImageGeometry, found: PixelMethod) -> Iterator[PixelMethod]:
@@ -107,7 +107,7 @@ def _finer(plan: Plan, scene: ImageGeometry, found: PixelMethod) -> Iterator[Pix
         if drawn is None or not drawn.reached_px:
             return
         method = replace(method, name=_mesh_name(tolerance_px))
-        found = PixelMethod(method, tolerance_px, False, drawn.errors_px, drawn.reached_px)
+        found = PixelMethod(method, Rendering(tolerance_px), False, drawn.errors_px, drawn.reached_px)
         yield found
 
 
@@ -122,7 +122,7 @@ def _mesh_name(tolerance_px: float) -> str:
 def _relief_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
     """Level ground, whose error over relief has no bound, and rays over relief from coarse to fine."""
     level = Method("pixels", LEVEL, math.inf, math.inf)
-    found = [PixelMethod(level, COARSEST_MESH_PX, False, relief_errors_px(plan, None), level=True)]
+    found = [PixelMethod(level, Rendering(COARSEST_MESH_PX, level=True), False, relief_errors_px(plan, None))]
     found += _relief_rays(plan, scene)
     if uses_numba():
         with without_numba():
@@ -146,5 +146,6 @@ def _relief_rays(plan: Plan, scene: ImageGeometry, *, compiled: bool = True) -> 
             same_px = (*coarser.same_px, coarser.tolerance_px)
         named = name if tolerance_px == own_px else f"{name}, {tolerance_px:g} px"
         method = replace(relief_rays(scene, own_px), name=named, bound_px=tolerance_px)
-        rays.append(PixelMethod(method, tolerance_px, is_own, errors_px, same_px=same_px, compiled=compiled))
+        rendering = Rendering(tolerance_px, compiled=compiled)
+        rays.append(PixelMethod(method, rendering, is_own, errors_px, same_px=same_px))
     return rays

@@ -28,7 +28,7 @@ from ..timing import Seconds
 from .conditioning import Conditioning
 from .measure import Measured, Measurement, WholeImage
 from .pictures import BANDS, Encoding, Resampling
-from .pixels import LEVEL
+from .pixels import LEVEL, NUMPY
 from .tables import method_name
 
 _GREY = "#777777"
@@ -59,8 +59,22 @@ _KERNELS = {
 _FORMATS = {"JPEG": (ORANGE, "v"), "PNG": (BLUE, "o"), "GeoT": (BLACK, "s")}
 
 
-#: Position, text and colour of a marker's label.
-Label = tuple[float, float, str, str]
+class Label(NamedTuple):
+    """Label of a marker.
+
+    Attributes
+    ----------
+    x, y : float
+        Place of the marker.
+    lines : tuple of tuple of float
+        Ends (x, y) of the marker's whisker and level line, which no label crosses.
+    """
+
+    x: float
+    y: float
+    text: str
+    colour: str
+    lines: tuple[tuple[float, float], ...] = ()
 
 
 class Mark(NamedTuple):
@@ -72,8 +86,8 @@ class Mark(NamedTuple):
         Greatest and median error, and the bound reached.
     chosen : bool
         Whether the plan uses it.
-    joined : bool
-        Whether it is joined with others by a line.
+    line : str or None
+        Name of the line that joins it with others; None if it is not joined.
     """
 
     error_px: float
@@ -83,7 +97,7 @@ class Mark(NamedTuple):
     label: str
     chosen: bool
     look: Look
-    joined: bool = True
+    line: str | None = ""
 
 
 def work_precision(found: Measurement, budget_px: float, title: str) -> bytes:
@@ -100,6 +114,7 @@ def work_precision(found: Measurement, budget_px: float, title: str) -> bytes:
                 _short_name(one),
                 one.chosen,
                 look,
+                _line(one),
             )
             for one in methods
             if one.error_px is not None and one.seconds is not None
@@ -114,7 +129,7 @@ def work_precision(found: Measurement, budget_px: float, title: str) -> bytes:
             _pipeline_label(one),
             one.chosen,
             _format_look(one.encoding),
-            one.encoding.chosen,
+            _line(one.methods[-1]) if one.encoding.chosen else None,
         )
         for one in found.pipelines
     ]
@@ -137,10 +152,15 @@ def work_precision(found: Measurement, budget_px: float, title: str) -> bytes:
     return png(figure)
 
 
+def _line(one: Measured) -> str:
+    """Name of the line that joins a method with others: rays without compiled code have their own."""
+    return NUMPY if one.method.name.startswith(NUMPY) else ""
+
+
 def _pipeline_label(one: WholeImage) -> str:
     """Short name of a pipeline's last method; empty for those that another panel or the legend names."""
     last = one.methods[-1]
-    is_named = one.encoding.chosen and (one.chosen or last.method.name in ("map", RAYS, LEVEL))
+    is_named = one.encoding.chosen and (one.chosen or last.method.name in ("map", RAYS, LEVEL, NUMPY))
     return _short_name(last) if is_named else ""
 
 
@@ -159,12 +179,13 @@ def _draw_marks(axes: Any, marks: Sequence[Mark], floor_px: float, budget_px: fl
     left = min(above, default=floor_px)
     none_px = left / 8.0
     points = [(max(one.error_px, floor_px) if one.error_px else none_px, one) for one in marks]
-    joined = [(x, one.seconds.median) for x, one in points if one.joined]
-    axes.plot([x for x, _ in joined], [y for _, y in joined], color="#bbbbbb", linewidth=1.2, zorder=1)
+    for name in dict.fromkeys(one.line for one in marks if one.line is not None):
+        joined = [(x, one.seconds.median) for x, one in points if one.line == name]
+        axes.plot([x for x, _ in joined], [y for _, y in joined], color="#bbbbbb", linewidth=1.2, zorder=1)
     labels = []
     for x, one in points:
         y, colour = one.seconds.median, one.look.colour
-        measured = one.error_px > floor_px
+        measured, ends = one.error_px > floor_px, []
         axes.plot(
             [x],
             [y],
@@ -183,7 +204,8 @@ def _draw_marks(axes: Any, marks: Sequence[Mark], floor_px: float, budget_px: fl
         if one.chosen:
             axes.plot([x], [y], "o", markersize=16, markerfacecolor="none", markeredgecolor=BLACK, zorder=4)
         word = "none added" if one.error_px == 0.0 else f"≤ {floor_px:.1g} px"
-        labels.append((x, y, one.label if measured or not one.label else f"{one.label}: {word}", colour))
+        text = one.label if measured or not one.label else f"{one.label}: {word}"
+        labels.append(Label(x, y, text, colour, (*_whisker_ends(x, one.seconds), *((px, y) for px in ends))))
     bounds = [one.bound_px for one in marks if math.isfinite(one.bound_px)]
     right = max([left, *bounds, *(x for x, _ in points)])
     near = budget_px <= 1e3 * right
@@ -238,14 +260,21 @@ def _place_labels(axes: Any, labels: Sequence[Label]) -> None:
     # Boxes that are taken: left, bottom, right, top.
     point = figure.dpi / 72.0
     size = 7.0 * point
-    places = [axes.transData.transform((x, y)) for x, y, _, _ in labels]
+    places = [axes.transData.transform((one.x, one.y)) for one in labels]
     taken = [(x - size, y - size, x + size, y + size) for x, y in places]
+    for one, (at_x, at_y) in zip(labels, places):
+        for x, y in map(axes.transData.transform, one.lines):
+            cap = 3.0 * point
+            taken.append((min(x, at_x) - cap, min(y, at_y) - cap, max(x, at_x) + cap, max(y, at_y) + cap))
+    # Paper behind labels, as lines between markers may cross them.
+    paper = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
     offsets = [(aside, sign * far) for far in (10, 24, 38, 52, 66) for sign in (1, -1) for aside in (0, far, -far)]
-    for (x, y, text, colour), (at_x, at_y) in zip(labels, places):
+    for (x, y, text, colour, _), (at_x, at_y) in zip(labels, places):
         if not text:
             continue
         style = {"textcoords": "offset points", "color": colour, "zorder": 5}
-        note = axes.annotate(text, (x, y), xytext=(0, 0), ha="left", va="bottom", fontsize=FONT["note"], **style)
+        place = {"xytext": (0, 0), "ha": "left", "va": "bottom"}
+        note = axes.annotate(text, (x, y), fontsize=FONT["note"], bbox=paper, **place, **style)
         note.set_in_layout(False)
         extent = note.get_window_extent(renderer)
         for aside, up in offsets:
@@ -270,10 +299,18 @@ def _overlap(one: Sequence[float], other: Sequence[float]) -> bool:
 
 def whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
     """Draw a vertical line from the lower to the upper quartile of a time."""
-    if seconds is not None and seconds.spread_known:
-        ends = seconds.quartiles
+    ends = _whisker_ends(x, seconds)
+    if ends:
         # Caps are smaller than markers, which hide them where quartiles are close.
-        axes.plot([x, x], [ends.low, ends.high], color=colour, marker="_", markersize=5, linewidth=1.1, zorder=2)
+        axes.plot(*zip(*ends), color=colour, marker="_", markersize=5, linewidth=1.1, zorder=2)
+
+
+def _whisker_ends(x: float, seconds: Seconds | None) -> tuple[tuple[float, float], ...]:
+    """Ends of a `whisker`, empty where too few rounds were timed."""
+    if seconds is None or not seconds.spread_known:
+        return ()
+    ends = seconds.quartiles
+    return (x, ends.low), (x, ends.high)
 
 
 def _draw_legend(axes: Any, whole: Sequence[Mark]) -> None:
@@ -305,7 +342,7 @@ def distributions(found: Measurement) -> bytes:
         for stage, methods in found.stages.items()
     ]
     panels = [(name, methods) for name, methods in panels if methods]
-    figure = new_figure(1.0 + 4.6 * max(len(panels), 1), 5.0)
+    figure = new_figure(1.0 + 4.6 * max(len(panels), 1), 5.6)
     figure.suptitle("Errors of the measured points; dotted: bound reached", fontsize=FONT["title"], x=0.01, ha="left")
     for number, (name, methods) in enumerate(panels):
         axes = figure.add_subplot(1, len(panels), number + 1)
@@ -331,7 +368,8 @@ def distributions(found: Measurement) -> bytes:
         most = max(*(one.errors.most for one in methods if one.errors), *_finite_bounds(methods))
         axes.set_xlim(max(least, found.floor_px) / 2.0, most * 2.0)
         _tick(axes.xaxis, axes.get_xlim())
-        axes.legend(fontsize=FONT["note"], framealpha=0.9, edgecolor="none", loc="best")
+        # Below the panel, as curves may lead anywhere.
+        axes.legend(fontsize=FONT["note"], frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncol=2)
     return png(figure)
 
 
@@ -452,7 +490,7 @@ def _draw_grey_levels(axes: Any, measured: Measurement, found: Resampling) -> li
             zorder=3,
         )
         whisker(axes, x, taken, look.colour)
-        labels.append((x, taken.median, look.label, look.colour))
+        labels.append(Label(x, taken.median, look.label, look.colour, _whisker_ends(x, taken)))
     times = [taken.median for _, taken, _ in [*points, *files]]
     axes.set_ylim(min(times) / 3.0, max(times) * 6.0)
     axes.set_xlim(-0.3, max(x for x, _, _ in [*points, *files]) * 1.25 + 0.2)

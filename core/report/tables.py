@@ -184,7 +184,7 @@ def pipelines_table(measurement: Measurement) -> TextTable:
     """Table of ways to make an image file: sums of bounds and errors, and the whole time."""
     rows = []
     for one in measurement.pipelines:
-        share = one.encoding.seconds.median / one.seconds.median
+        share = one.encoding.seconds.ratio(one.seconds).median
         rows.append(
             (
                 pipeline_name(one),
