@@ -205,7 +205,7 @@ ROW = (
 STAGES = """
 ## Time of each step
 
-Processor milliseconds per image, one thread: {stages}. *Tiles* are read from the raster, 256 px each; *all else* is
+Processor milliseconds per image, one thread: {stages}. *Parts* are read from the raster, 512 px each; *all else* is
 planning, assembling, compression, entropy, journal and tables. Cutting alone, as the other programs do for images that
 are not compressed, takes a few milliseconds.
 
@@ -283,7 +283,7 @@ def stages(file: str, shape: tuple[int, int, float]) -> list[tuple[str, float]]:
         capture(worked_out, source, folder, connections=1, workers=1)
         whole = time.process_time() - start
     count = len(worked_out.names)
-    return [("tiles", spent["read"] / count * 1e3), ("all else", (whole - spent["read"]) / count * 1e3)]
+    return [("parts", spent["read"] / count * 1e3), ("all else", (whole - spent["read"]) / count * 1e3)]
 
 
 def compare(file: str, folder: Path, repeats: int, shape: tuple[int, int, float]) -> dict[str, Any]:
