@@ -237,7 +237,8 @@ class Surface:
 
             longest = self._longest(start, np.abs(coefficients), farthest, _CHORD)
             found = np.full((3, len(farthest)), np.nan)
-            starts, ways = _columns(start), np.ascontiguousarray(coefficients)
+            starts = np.ascontiguousarray(start if start.ndim == coefficients.ndim - 1 else start[:, np.newaxis])
+            ways = np.ascontiguousarray(coefficients)
             kernels.search(self.grid_heights_m, *self._blocks, starts, ways, longest, farthest, found)
             return Hits(*found)
         t, _ = self.clear(start, coefficients, np.zeros(len(farthest)), farthest, None)
@@ -816,11 +817,6 @@ def _only(which: NDArray[Any], *arrays: NDArray[Any]) -> list[Any]:
 def _take_starts(start: Floats, which: NDArray[Any]) -> Floats:
     """Starts of some rays, from one start (c,) for all or one each (c, n)."""
     return start if start.ndim == 1 else start.take(which, axis=1)
-
-
-def _columns(start: Floats) -> Floats:
-    """Starts of rays as columns, (c, n), or (c, 1) where they are the same."""
-    return np.ascontiguousarray(start if start.ndim == 2 else start[:, np.newaxis])
 
 
 def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:

@@ -74,3 +74,21 @@ def test_bilinear_values_are_those_of_numpy_to_the_last_digit(data_type, channel
     wanted = with_numpy(lambda: sample(image, x, y, "bilinear"))
     assert found.dtype == wanted.dtype
     assert np.array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("shape", [(2, 2), (3, 8), (17, 16), (64, 41)])
+def test_blocks_have_the_greatest_height_of_their_cells(shape):
+    from terrainav.core.geodesy.raytracing.kernels import HeightBlocks
+
+    heights = np.random.default_rng(2).normal(size=shape).astype(np.float32)
+    heights[np.random.default_rng(3).random(shape) < 0.1] = np.nan
+    blocks = HeightBlocks.build(heights)
+    assert max(blocks.high[-1], blocks.wide[-1]) == 1
+    for level in range(1, len(blocks.first)):
+        size, (high, wide) = 1 << level, (blocks.high[level], blocks.wide[level])
+        assert (high, wide) == tuple(-(-(side - 1) // size) for side in shape)
+        for i, j in np.ndindex(high, wide):
+            # Cells share the heights of their edges with their neighbours.
+            among = heights[i * size : (i + 1) * size + 1, j * size : (j + 1) * size + 1]
+            wanted = np.max(among, where=np.isfinite(among), initial=-np.inf)
+            assert blocks.flat[blocks.first[level] + i * wide + j] == wanted
