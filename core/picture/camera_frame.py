@@ -185,24 +185,24 @@ def render(
     """
     u = float(view.grid.meridian_u(np.asarray(lon_deg)))
     picture = np.zeros((view.height_px, view.width_px, len(bands)), bands.dtype)
-    warp = _warp_compiled if loaded_numba() and kernel != "bicubic" else _warp
-    is_warped = view.rays is None
-    joined = {
-        zoom: _ground(zoom, parts, pixels, bands, is_warped=True)
-        for zoom in {patches.zoom for patches in view.patches if is_warped}
-    }
-    for patches in view.patches if is_warped else ():
-        warp(picture, patches, joined[patches.zoom], view.grid, u, kernel)
-    sampled: dict[int, _Ground | _Tiles] = {}
-    for samples in chain(*map(view.traced, view.patches), view.samples):
-        zoom = samples.zoom
-        if zoom in sampled:
-            pass
-        elif loaded_numba() and kernel == "bilinear":
-            sampled[zoom] = _Tiles.found(zoom, parts, pixels, bands, view.grid.tile_px)
-        else:
-            sampled[zoom] = joined.get(zoom) or _ground(zoom, parts, pixels, bands, is_warped=False)
-        _gather(picture, samples, sampled[zoom], view.grid, u, kernel)
+    is_compiled, is_warped = loaded_numba(), view.rays is None
+    warp = _warp_compiled if is_compiled and kernel != "bicubic" else _warp
+    # One zoom after the other, as its joined tiles may take a hundred megabytes.
+    for zoom in sorted({*(patches.zoom for patches in view.patches), *(samples.zoom for samples in view.samples)}):
+        patches = [some for some in view.patches if some.zoom == zoom]
+        samples = [some for some in view.samples if some.zoom == zoom]
+        ground: _Ground | _Tiles | None = None
+        if is_warped and patches:
+            ground = _ground(zoom, parts, pixels, bands, is_warped=True)
+            for some in patches:
+                warp(picture, some, ground, view.grid, u, kernel)
+        if is_warped and not samples:
+            continue
+        if is_compiled and kernel == "bilinear":
+            ground = _Tiles.found(zoom, parts, pixels, bands, view.grid.tile_px)
+        ground = ground or _ground(zoom, parts, pixels, bands, is_warped=False)
+        for one in chain(*map(view.traced, patches), samples):
+            _gather(picture, one, ground, view.grid, u, kernel)
     return picture
 
 
