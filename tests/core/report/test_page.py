@@ -134,6 +134,27 @@ def test_the_pictures_are_pictures(report):
             assert np.ptp(np.asarray(picture.convert("L"))) > 200
 
 
+def test_labels_cross_no_whisker():
+    figure = plots.new_figure(6.0, 4.0)
+    axes = figure.subplots()
+    axes.set(xlim=(0.0, 4.0), ylim=(0.0, 4.0))
+    places = [(1.0, 1.0), (2.0, 1.6), (2.1, 2.0)]
+    # Whiskers reach above the markers, where labels stand first, and level lines to their right.
+    labels = [
+        plots.Label(x, y, f"label {x:g}", plots.BLACK, ((x, y - 0.1), (x, y + 0.9), (x + 1.0, y))) for x, y in places
+    ]
+    figure.draw_without_rendering()
+    plots._place_labels(axes, labels)
+    renderer = figure.canvas.get_renderer()
+    boxes = [note.get_window_extent(renderer) for note in axes.texts if note.get_text()]
+    assert len(boxes) == len(labels)
+    for label in labels:
+        place = axes.transData.transform((label.x, label.y))
+        for end in map(axes.transData.transform, label.lines):
+            for share in np.linspace(0.0, 1.0, 50):
+                assert not any(box.contains(*(place + share * (end - place))) for box in boxes)
+
+
 def test_errors_are_within_their_bounds_and_times_are_times(report):
     worked_out, folder, _ = report
     methods = rows(folder, "methods.csv")
