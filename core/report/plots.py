@@ -283,7 +283,8 @@ def _place_labels(axes: Any, labels: Sequence[Label]) -> None:
             box = (left, bottom, left + extent.width, bottom + extent.height)
             inside = room.x0 <= box[0] and box[2] <= room.x1 and room.y0 <= box[1] and box[3] <= room.y1
             if inside and not any(_overlap(box, other) for other in taken):
-                taken.append(box)
+                # Two labels side by side need a gap.
+                taken.append((box[0] - size / 2.0, box[1], box[2] + size / 2.0, box[3]))
                 note.set_position(((left - at_x) / point, (bottom - at_y) / point))
                 if abs(up) > offsets[0][1]:
                     leader = {"arrowstyle": "-", "color": colour, "linewidth": 0.6}

@@ -465,28 +465,38 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
         otherwise the rectangle of the same column.
     """
     left, top, right, bottom = rectangles
-    width, height = right - left, bottom - top
+    along: list[Floats] = [np.empty(0)]
     neighbours = np.flatnonzero((row[1:] == row[:-1]) & (np.abs(np.diff(column)) == 1))
-    shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(left[neighbours], left[neighbours + 1])
-    along = _smaller_shares(shared, width[neighbours], width[neighbours + 1])
+    for here in _batches(neighbours):
+        shared = np.minimum(right[here], right[here + 1]) - np.maximum(left[here], left[here + 1])
+        width, next_width = (right[at] - left[at] for at in (here, here + 1))
+        along.append(_smaller_shares(shared, width, next_width))
 
     # Position in the row, scaled to 0.5 or less: by column, or by the middle of the rectangle.
     place = column.astype(np.float64)
     if rows_are_level:
         place = left + right
     place = (place - place.min()) / (2.0 * max(float(np.ptp(place)), 1.0))
-    keys = row + place
-    order = np.argsort(keys)
-    after = np.searchsorted(keys[order], keys + 1.0)
-    before, behind = (order[np.clip(at, 0, len(keys) - 1)] for at in (after - 1, after))
-    off_before, off_behind = (
-        np.where(row[at] == row + 1, np.abs(place[at] - place), np.inf) for at in (before, behind)
-    )
-    apart = np.minimum(off_before, off_behind)
-    here = np.flatnonzero(np.isfinite(apart) if rows_are_level else apart == 0.0)
-    below = np.where(off_before <= off_behind, before, behind)[here]
-    shared = np.minimum(bottom[here], bottom[below]) - np.maximum(top[here], top[below])
-    return along, _smaller_shares(shared, height[here], height[below])
+    order = np.argsort(row + place)
+    keys = (row + place)[order]
+    across: list[Floats] = [np.empty(0)]
+    for here in _batches(np.arange(len(row))):
+        after = np.searchsorted(keys, row[here] + place[here] + 1.0)
+        before, behind = (order[np.clip(at, 0, len(keys) - 1)] for at in (after - 1, after))
+        off_before, off_behind = (
+            np.where(row[at] == row[here] + 1, np.abs(place[at] - place[here]), np.inf) for at in (before, behind)
+        )
+        apart = np.minimum(off_before, off_behind)
+        is_near = np.isfinite(apart) if rows_are_level else apart == 0.0
+        one, next_one = here[is_near], np.where(off_before <= off_behind, before, behind)[is_near]
+        shared = np.minimum(bottom[one], bottom[next_one]) - np.maximum(top[one], top[next_one])
+        across.append(_smaller_shares(shared, bottom[one] - top[one], bottom[next_one] - top[next_one]))
+    return np.concatenate(along), np.concatenate(across)
+
+
+def _batches(which: Numbers) -> list[Numbers]:
+    """Indices (n,) in parts that bound the memory."""
+    return np.array_split(which, len(which) // _BAND + 1)
 
 
 def _smaller_shares(shared: Floats, one: Floats, other: Floats) -> Floats:
