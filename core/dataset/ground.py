@@ -339,6 +339,19 @@ def assign_blocks(boxes: GroundBoxes, block_m: float) -> Numbers:
     return np.asarray(numbers, np.int64).reshape(-1)
 
 
+def assign_strips(boxes: GroundBoxes, across: bool) -> tuple[Numbers, float]:
+    """Number (n,) of the thin strip that holds the centre of each box, from one side to the other, and its width in m.
+
+    ``across`` numbers strips from west to east, otherwise from south to north.
+    """
+    lat, u = (boxes.south_deg + boxes.north_deg) / 2.0, (boxes.west_u + boxes.east_u) / 2.0
+    at_m = u * _EQUATOR_M * math.cos(math.radians(float(lat.mean()))) if across else lat * _DEGREE_M
+    # Finer strips bring the shares no closer, and take longer.
+    width_m = max(float(np.ptp(at_m)) / 256.0, 1e-3)
+    _, numbers = np.unique(_floor_rounded((at_m - at_m.min()) / width_m), return_inverse=True)
+    return np.asarray(numbers, np.int64).reshape(-1), width_m
+
+
 def assign_parts(
     boxes: GroundBoxes, block: Numbers, order: Sequence[int], shares: Sequence[float], gap_m: float
 ) -> Numbers:

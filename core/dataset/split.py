@@ -9,9 +9,11 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from .ground import (
     GroundBoxes,
     assign_blocks,
     assign_parts,
+    assign_strips,
     deviation,
     find_close,
     ground_boxes,
@@ -186,7 +189,7 @@ def _report(progress: Report | None, share: float) -> None:
         raise Cancelled("stopped while images were split: nothing was changed")
 
 
-def shuffle(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> list[str]:
+def shuffle(names: Sequence[str] | Mapping[str, object], seed: int | str = SEED) -> list[str]:
     """Sort names by the SHA-256 of ``seed:name``, which is the same everywhere."""
     return sorted(names, key=lambda name: hashlib.sha256(f"{seed}:{name}".encode()).digest())
 
@@ -313,6 +316,8 @@ def _split_ground(
     known = boxes.known
     names = [name for name, is_known in zip(places, known.tolist()) if is_known]
     part, side, count = split_blocks(boxes.take(known), names, shares, seed, block_m, gap_m)
+    if block_m is None and gap_m == 0.0 and part.count(GAP) > len(part) / 2:
+        raise _too_close(boxes.take(known), shares)
     of_known = dict(zip(names, part))
     return {name: of_known.get(name, GAP) for name in places}, side, count, int((~known).sum())
 
@@ -341,22 +346,27 @@ def split_blocks(
     InvalidInput
         A part would be empty.
     """
-    base = largest_side_m(boxes) + gap_m
-    best: tuple[float, float, Numbers, int] | None = None
+    base, is_default = largest_side_m(boxes) + gap_m, block_m is None and gap_m == 0.0
+    best: _Division | None = None
     # Sides to try, relative to the longest image side and the gap. Larger blocks lose fewer images to the gap, so the
-    # first side is taken that comes within 2 % of the shares, or else the one that comes closest.
-    for side in (
-        [times * base for times in (16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)]
-        if block_m is None
-        else [float(block_m)]
-    ):
-        block = assign_blocks(boxes, side)
-        part = assign_parts(boxes, block, _block_order(names, block, seed), shares, gap_m)
-        off = deviation(part, shares)
-        if math.isfinite(off) and (best is None or off < best[0]):
-            best = off, side, part, int(block.max()) + 1
-        if off <= 0.02:
+    # first side is taken that comes within 2 % of the shares, or else the one that comes closest; without a gap, of
+    # those that leave half of the images or more in parts.
+    sides = [times * base for times in (16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)]
+    for made in _divisions(boxes, names, shares, seed, sides if block_m is None else [float(block_m)], gap_m):
+        best = made if best is None or made.rank < best.rank else best
+        if best.rank <= (False, False, 0.02):
             break
+    if is_default and (best is None or any(best.rank[:2])):
+        # Over little ground, three strips side by side have the shortest borders, or other blocks fit better.
+        more = _strips(boxes, shares, seed, gap_m)
+        for other in range(1, 25):
+            more = chain(more, _divisions(boxes, names, shares, f"{seed}.{other}", sides, gap_m))
+        for made in more:
+            best = made if best is None or made.rank < best.rank else best
+            if not any(best.rank[:2]):
+                break
+    if best is None and is_default and len(names) > len(PARTS):
+        raise _too_close(boxes, shares)
     if best is None:
         tried = Message("blocks of {0:g} m", block_m) if block_m is not None else Message("blocks")
         asked = ", ".join(part for part, share in zip(PARTS, shares) if share > 0.0)
@@ -371,11 +381,74 @@ def split_blocks(
             if gap_m > 0.0
             else "choose other blocks or shares, a dataset of more ground, or split shuffled",
         )
-    _, side, part, count = best
-    return [PARTS[one] if one >= 0 else GAP for one in part.tolist()], side, count
+    return [PARTS[one] if one >= 0 else GAP for one in best.part.tolist()], best.side_m, best.blocks
 
 
-def _block_order(names: Sequence[str], block: Numbers, seed: int) -> list[int]:
+def _too_close(boxes: GroundBoxes, shares: Sequence[float]) -> InvalidInput:
+    """Error for images of which no blocks leave half in parts, with the length of ground that would."""
+    widest_m = largest_side_m(boxes)
+    # Of strips, each border between two loses the images that reach across it.
+    borders = sum(share > 0.0 for share in shares) - 1
+    return InvalidInput(
+        "split by blocks: most of {0:,} images up to {1:,.0f} m wide would be in no part, as they show the same ground",
+        len(boxes.west_u),
+        widest_m,
+        remedy=Message(
+            "take an area {0:,.0f} m long or more, smaller images or less overlap, or split shuffled",
+            widest_m * (1.0 + 2.0 * borders),
+        ),
+    )
+
+
+class _Division(NamedTuple):
+    """Part of each box, side and number of the blocks, and rank: the lowest is the best."""
+
+    rank: tuple[bool, bool, float]
+    part: Numbers
+    side_m: float
+    blocks: int
+
+    @classmethod
+    def ranked(cls, part: Numbers, shares: Sequence[float], side_m: float, block: Numbers, gap_m: float) -> _Division:
+        """Ranked by whether half of the images are lost, whether shares are off by 10 %, and by how far they are off.
+
+        With a gap, users choose how many images are lost.
+        """
+        off, is_free = deviation(part, shares), gap_m == 0.0
+        is_lost = is_free and float((part < 0).mean()) > 0.5
+        return cls((is_lost, is_free and off > 0.1, off), part, side_m, int(block.max()) + 1)
+
+
+def _divisions(
+    boxes: GroundBoxes,
+    names: Sequence[str],
+    shares: Sequence[float],
+    seed: int | str,
+    sides_m: Sequence[float],
+    gap_m: float,
+) -> Iterator[_Division]:
+    """Yield the divisions by blocks of each side that leave no part empty."""
+    for side in sides_m:
+        block = assign_blocks(boxes, side)
+        part = assign_parts(boxes, block, _block_order(names, block, seed), shares, gap_m)
+        made = _Division.ranked(part, shares, side, block, gap_m)
+        if math.isfinite(made.rank[-1]):
+            yield made
+
+
+def _strips(boxes: GroundBoxes, shares: Sequence[float], seed: int, gap_m: float) -> Iterator[_Division]:
+    """Yield the divisions by strips along and across, from either end, that leave no part empty."""
+    for which in shuffle([f"strips {number}" for number in range(4)], seed):
+        across, backwards = divmod(int(which[-1]), 2)
+        block, side = assign_strips(boxes, bool(across))
+        order = range(int(block.max()) + 1)
+        part = assign_parts(boxes, block, order[::-1] if backwards else order, shares, gap_m)
+        made = _Division.ranked(part, shares, side, block, gap_m)
+        if math.isfinite(made.rank[-1]):
+            yield made
+
+
+def _block_order(names: Sequence[str], block: Numbers, seed: int | str) -> list[int]:
     """Sort blocks by the hashes of their first names."""
     first: dict[str, int] = {}
     seen: set[int] = set()

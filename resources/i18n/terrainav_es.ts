@@ -8462,6 +8462,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
+        <source>split by blocks: most of {0:,} images up to {1:,.0f} m wide would be in no part, as they show the same ground</source>
+        <translation>división por bloques: la mayoría de {0:,} imágenes de hasta {1:,.0f} m de ancho no estaría en ninguna parte, pues muestran el mismo terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
         <source>split by {0}: {1} images up to {2:.0f} m wide with a gap of {3:g} m leave one of {4} without images</source>
         <translation>división por {0}: {1} imágenes de hasta {2:.0f} m de ancho con una separación de {3:g} m dejan una de {4} sin imágenes</translation>
     </message>
@@ -8484,6 +8489,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/split.py"/>
         <source>stopped while images were split: nothing was changed</source>
         <translation>detenido mientras se dividían las imágenes: nada ha cambiado</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>take an area {0:,.0f} m long or more, smaller images or less overlap, or split shuffled</source>
+        <translation>tome un área de {0:,.0f} m de largo o más, imágenes más pequeñas o menos solapamiento, o divida con shuffled</translation>
     </message>
     <message>
         <location filename="../../core/dataset/stored.py"/>

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -517,6 +518,30 @@ def _empty_part_without_a_gap(case: Case) -> None:
     case.follow("shares", lambda: split(folder, (1.0, 0.0, 0.0), how="blocks", block_m=5000.0))
     more = captured(case, MISSION.replace(area=Box(35.24, -89.98, 35.15, -89.88), agl_m=1500.0), "more")
     case.follow("a dataset of more ground", lambda: split(more, how="blocks", block_m=5000.0))
+    case.follow("split shuffled", lambda: split(folder, how="shuffled"))
+
+
+@remedy(
+    "dataset/split.py",
+    "split by blocks: most of {} images up to {} m wide would be in no part, as they show the same ground; take an "
+    "area {} m long or more, smaller images or less overlap, or split shuffled",
+)
+def _too_little_ground(case: Case) -> None:
+    def strip(name, length_deg, **changes):
+        area = Box(35.16, -89.90, 35.1599, -89.90 + length_deg)
+        return captured(case, MISSION.replace(area=area, overlap_along=0.9, map_types=("satellite",), **changes), name)
+
+    folder = strip("short", 0.003)
+    case.refused(lambda: split(folder))
+    taken = re.search(r"take an area ([\d,]+) m long or more", case.advice)
+    longer, smaller = (
+        strip("long", 0.001 + float(taken[1].replace(",", "")) / 91_000.0),
+        strip("low", 0.003, agl_m=40.0),
+    )
+    case.follow(taken[0], lambda: split(longer))
+    case.follow("smaller images", lambda: split(smaller))
+    apart = captured(case, MISSION.replace(map_types=("satellite",), overlap_along=0.05), "apart")
+    case.follow("less overlap", lambda: split(apart, how="blocks"))
     case.follow("split shuffled", lambda: split(folder, how="shuffled"))
 
 
