@@ -229,9 +229,18 @@ def _row_centres(
         count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     spare = float(edges.bottom_v[count - 1]) - rows.last_bottom
     shift = rows.centring_shift(count, spare)
-    placed, edges = rows.lean(*rows.settle(rows.first_top - shift, count))
+    placed, edges = rows.settle(rows.first_top - shift, count)
+    while edges.bottom_v[-1] < rows.last_bottom - _CONVERGED and count < len(centres):
+        # Rows that have only come nearer may no longer reach the end.
+        count += 1
+        placed, edges = rows.settle(rows.first_top, count)
+    placed, edges = rows.lean(placed, edges)
     rows.refuse_gaps(placed)
     return placed, edges
+
+
+#: Passes without progress after which rows only come nearer. Rows that converge improve within ten.
+_STALLED = 50
 
 
 class _ParallelRows:
@@ -367,18 +376,22 @@ class _ParallelRows:
         centres = np.linspace(max(top, self._north), self._south, count)
         # Sums of many steps have more noise.
         settled = max(_CONVERGED, 1e-15 * math.sqrt(count))
-        nearest, stalled = math.inf, 0
+        nearest, stalled, least = math.inf, 0, np.full(count, np.inf)
         # Convergence is faster than geometric, in under 40 passes unless frames almost contain a pole.
         for _ in range(500):
             edges = self._edges(centres)
-            placed = np.cumsum(np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)]))
+            steps = np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)])
+            # Over relief, the height of a frame may jump where its row moves by little, so that no position is right:
+            # after such rows have moved back and forth, they only come nearer.
+            if stalled >= _STALLED:
+                least = steps = np.minimum(steps, least)
+            placed = np.cumsum(steps)
             moved = float(np.max(np.abs(placed - centres)))
             centres = placed
             if moved <= settled:
                 return centres, self._edges(centres)
-            nearest, stalled = (moved, 0) if moved < nearest else (nearest, stalled + 1)
-            # Rows that converge improve within ten passes.
-            if stalled == 50:
+            nearest, stalled = (moved, 0) if moved < nearest and stalled < _STALLED else (nearest, stalled + 1)
+            if stalled == 2 * _STALLED:
                 break
         raise InvalidInput(
             "rows from {0:g} m cannot be placed so near to a pole",

@@ -288,6 +288,26 @@ def test_rows_of_very_different_heights_are_all_placed():
     np.testing.assert_allclose((bottom[:-1] - top[1:]) / higher, 0.9, rtol=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_rows_over_terraces_overlap_as_asked_where_no_position_is_right(seed):
+    """Frames are higher and farther ahead over lower ground, and jump where their row moves by little."""
+    terraces = np.random.default_rng(seed).uniform(0.8, 1.2, 64)
+
+    def frames(lat_deg):
+        level = map_frame_edges(Camera(), Poses.level(lat_deg, np.zeros_like(lat_deg), np.full(len(lat_deg), 300.0)))
+        v = lat_to_v(lat_deg)
+        high = 0.5 * (level.bottom_v - level.top_v) * terraces[(v * 2e5).astype(int) % len(terraces)]
+        return level._replace(top_v=v - 3.0 * high, bottom_v=v - high)
+
+    mission = Mission(Box(35.15, -89.90, 35.05, -89.899), 300.0, overlap_across=0.3)
+    rows = layout._ParallelRows(mission, mission.area, frames, 1e-9, refuse_early=False)
+    _, edges = rows.settle(rows.first_top, 20)
+    top, bottom = edges.top_v, edges.bottom_v
+    assert top[0] <= rows.first_top + 1e-14
+    higher = np.maximum((bottom - top)[:-1], (bottom - top)[1:])
+    assert ((bottom[:-1] - top[1:]) / higher).min() > 0.3 - 1e-9
+
+
 def test_a_mission_of_far_too_many_images_is_refused_before_its_rows_are_placed(monkeypatch):
     mission = Mission(Box(80, -180, -80, 180), 8e5, overlap_along=0.999, overlap_across=0.999)
     monkeypatch.setattr(layout._ParallelRows, "settle", None)
