@@ -313,8 +313,12 @@ class _ParallelRows:
 
     def refuse_gaps(self, centres: Floats) -> None:
         """Refuse rows outside the range of cameras, whose frames are elsewhere."""
-        if bool(((centres < self._least - _CONVERGED) | (centres > self._most + _CONVERGED)).any()):
+        if not self._are_inside(centres):
             raise self._coverage_error()
+
+    def _are_inside(self, centres: Floats) -> bool:
+        """Whether rows are within the range of cameras."""
+        return bool(((centres >= self._least - _CONVERGED) & (centres <= self._most + _CONVERGED)).all())
 
     def _edges(self, centres: Floats) -> FrameEdges:
         """Edges of frames at the centres, extrapolated outside the range of cameras.
@@ -389,7 +393,11 @@ class _ParallelRows:
             moved = float(np.max(np.abs(placed - centres)))
             centres = placed
             if moved <= settled:
-                return centres, self._edges(centres)
+                edges = self._edges(centres)
+                needed = centres[: int(np.searchsorted(edges.bottom_v, self.last_bottom)) + 1]
+                if stalled >= _STALLED and not self._are_inside(needed):
+                    break
+                return centres, edges
             nearest, stalled = (moved, 0) if moved < nearest and stalled < _STALLED else (nearest, stalled + 1)
             if stalled == 2 * _STALLED:
                 break
