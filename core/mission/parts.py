@@ -655,6 +655,17 @@ class Terrain(CheckedFields):
         suggested=3.0,
         advanced=True,
     )
+    height_tolerance_m: float = declared(
+        0.0,
+        title="height tolerance",
+        help="over relief, with the trigger by distance, how far flights in files for drones may be above or below the "
+        "planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and at most 1 % higher",
+        unit="m",
+        option="height_tolerance",
+        least=0.0,
+        most=1000.0,
+        advanced=True,
+    )
     clearance_m: float = declared(
         0.0,
         title="clearance",

@@ -11507,6 +11507,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/clearance.py"/>
+        <source>read back: {0:,} waypoints; {1:,} images at most {2:.2f} m from their planned height (latitude {3:.6f}, longitude {4:.6f}), {5:.1f} to {6:.1f} m above ground</source>
+        <translation>leído de nuevo: {0:,} puntos de paso; {1:,} imágenes a un máximo de {2:.2f} m de su altura planificada (latitud {3:.6f}, longitud {4:.6f}), de {5:.1f} a {6:.1f} m sobre el suelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/clearance.py"/>
         <source>{0}: between waypoints {1} and {2} the flight comes {5:.2f} m below the surface, at latitude {3:.6f}, longitude {4:.6f}</source>
         <translation>{0}: entre los puntos de paso {1} y {2} el vuelo queda {5:.2f} m por debajo de la superficie, en la latitud {3:.6f}, longitud {4:.6f}</translation>
     </message>
@@ -13143,6 +13148,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>height tolerance</source>
+        <translation>tolerancia de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>height unit</source>
         <translation>unidad de altura</translation>
     </message>
@@ -13345,6 +13355,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>over relief, reference of the heights of captures: the ground below each one; the ground at the take-off (an area's north-western corner, or the first point), for one height of all; or the ellipsoid</source>
         <translation>sobre relieve, respecto a qué son las alturas de las capturas: el terreno debajo de cada una; el terreno en el despegue (la esquina noroeste de un área, o el primer punto), una altura para todas; o el elipsoide</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>over relief, with the trigger by distance, how far flights in files for drones may be above or below the planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and at most 1 % higher</source>
+        <translation>sobre relieve, con el disparo por distancia, cuánto pueden estar los vuelos de los archivos para drones por encima o por debajo de los planificados, para que las filas necesiten menos puntos de paso; 0 los mantiene no más bajos que lo planificado y como mucho un 1 % más altos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

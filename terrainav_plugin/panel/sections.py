@@ -268,6 +268,7 @@ class ReliefSection(Section):
             self._form.addRow(field_label(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
         self.add_declared("height_above")
         self.add_declared("climb_m_per_s")
+        self.add_declared("height_tolerance_m")
         for name in ("clearance_m", "clearance_distance_m"):
             self.add_declared(name)
         datum = declared_line("vertical_datum")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import re
 import zipfile
 from collections.abc import Iterable, Iterator
@@ -19,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Floats, NDArray
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
 from ..plan import Plan
@@ -33,6 +34,8 @@ Place = tuple[str, float, float, float]
 
 #: Points closer than this, in metres, count as one.
 _SAME_M = 1e-3
+#: Paths pass a place within this distance, metres: drones cut corners by 0.2 m, and rows bend on the Earth.
+_PASSED_M = 0.5
 #: A number in the text of a file.
 _NUMBER = r"([-+.\deE]+)"
 _GPX_POINT = re.compile(
@@ -191,6 +194,36 @@ class Reader:
             if worst > 0.05:
                 raise self._refusal(name, path, at, worst)
 
+    def departure_note(self, ways: Iterable[FlownPath], plan: Plan) -> Message:
+        """Note on how far paths are from the planned heights at images, with the heights above ground there.
+
+        Images are found where the paths pass their planned places, in flight order.
+        """
+        lat, lon = (np.asarray(values) for values in (plan.meant.lat_deg, plan.meant.lon_deg))
+        planned = np.asarray(plan.ground_m + plan.meant.agl_m)
+        begins = np.append(True, np.diff(plan.row) != 0)
+        heights: list[float] = []
+        waypoints = 0
+        for path in ways:
+            waypoints += len({name for name in path.waypoint if name.isdigit()})
+            rest = slice(len(heights), None)
+            heights += _heights_at(path, lat[rest], lon[rest], begins[rest])
+        passed = slice(0, len(heights))
+        departure = np.abs(np.array(heights) - planned[passed])
+        above = np.array(heights) - self._ground(lat[passed], lon[passed]).ground_m(lat[passed], lon[passed])
+        worst = int(np.argmax(departure))
+        return Message(
+            "read back: {0:,} waypoints; {1:,} images at most {2:.2f} m from their planned height (latitude {3:.6f}, "
+            "longitude {4:.6f}), {5:.1f} to {6:.1f} m above ground",
+            waypoints,
+            len(heights),
+            float(departure[worst]),
+            float(lat[worst]),
+            float(wrap_lon_deg(lon[worst])),
+            float(above.min()),
+            float(above.max()),
+        )
+
     def _refusal(self, name: str, path: FlownPath, at: tuple[int, float, float], short_m: float) -> InvalidInput:
         leg, lat, lon = at
         values = (
@@ -243,6 +276,50 @@ def geopackage_points(path: Path) -> Floats:
         (line.GetGeometryRef(part).GetPoints() for part in range(line.GetGeometryCount())) for line in lines
     )
     return np.concatenate([_BREAK, *chain.from_iterable((_BREAK, np.array(part)[:, [1, 0, 2]]) for part in parts)])
+
+
+def _heights_at(path: FlownPath, lat_deg: Floats, lon_deg: Floats, begins: NDArray[np.bool_]) -> list[float]:
+    """Heights at which a path passes over the first of some places (n,), in order, up to the first it does not pass.
+
+    ``begins`` says which places begin a row: these are waypoints, the last of several there, as after a descent.
+    """
+    plane = LocalPlane(float(path.lat_deg[0]), float(path.lon_deg[0]))
+    lon = continuous(lon_deg, plane.lon_deg)
+    x, y, height = (values.tolist() for values in (*plane.forward(path.lat_deg, path.lon_deg), path.height_m))
+    found: list[float] = []
+    leg = 0
+    for east, north, is_first in zip(*(values.tolist() for values in (*plane.forward(lat_deg, lon), begins))):
+        if is_first:
+            near = (at for at in range(leg, len(x)) if math.hypot(x[at] - east, y[at] - north) <= _PASSED_M)
+            at = next(near, None)
+            if at is None:
+                break
+            while at + 1 < len(x) and math.hypot(x[at + 1] - east, y[at + 1] - north) <= _PASSED_M:
+                at += 1
+            leg = at
+            found.append(height[at])
+            continue
+        shares = ((at, _share_passed(x[at : at + 2], y[at : at + 2], east, north)) for at in range(leg, len(x) - 1))
+        passed = next((one for one in shares if one[1] is not None), None)
+        if passed is None:
+            break
+        leg, share = passed
+        found.append(height[leg] + (share or 0.0) * (height[leg + 1] - height[leg]))
+    return found
+
+
+def _share_passed(x: list[float], y: list[float], east: float, north: float) -> float | None:
+    """Share of a leg at which it passes a place; None if it does not, or has no length."""
+    along, across = x[1] - x[0], y[1] - y[0]
+    length = math.hypot(along, across)
+    if length < _SAME_M:
+        return None
+    share = ((east - x[0]) * along + (north - y[0]) * across) / length**2
+    if not -_PASSED_M / length <= share <= 1.0 + _PASSED_M / length:
+        return None
+    share = min(max(share, 0.0), 1.0)
+    away_m = math.hypot(x[0] + share * along - east, y[0] + share * across - north)
+    return share if away_m <= _PASSED_M else None
 
 
 def _simple_items(item: dict[str, Any]) -> list[dict[str, Any]]:

@@ -75,16 +75,31 @@ def litchi_texts(plan: Plan) -> list[Iterator[str]]:
     texts = []
     for sortie in range(plan.path.sorties):
         # At most 10,000 waypoints, which fit into memory.
-        lines = [_line(one, speed, actions, spacing_m) for one, actions, spacing_m in _shots(plan, sortie)]
-        count, files = len(lines), _files(len(lines))
-        ends = [count * number // files for number in range(files + 1)]
-        texts += [iter([",".join(COLUMNS) + "\n", *lines[first:end]]) for first, end in zip(ends, ends[1:])]
+        shots = list(_shots(plan, sortie))
+        lines = [_line(one, speed, actions, spacing_m) for one, actions, spacing_m in shots]
+        files, shared = _files(plan, len(lines)), _shared(plan)
+        ends = [(len(lines) - shared) * number // files for number in range(files + 1)]
+        for first, end in zip(ends, ends[1:]):
+            part = lines[first : end + shared]
+            if shared and first:
+                # The file before has taken the image here.
+                part[0] = _line(shots[first][0], speed, (), shots[first][2])
+            texts.append(iter([",".join(COLUMNS) + "\n", *part]))
     return texts
 
 
-def _files(waypoints: int) -> int:
+def _files(plan: Plan, waypoints: int) -> int:
     """Number of files of a sortie."""
-    return -(-waypoints // MAX_WAYPOINTS)
+    shared = _shared(plan)
+    return max(-(-(waypoints - shared) // (MAX_WAYPOINTS - shared)), 1)
+
+
+def _shared(plan: Plan) -> int:
+    """Number of waypoints that a file repeats of the one before it.
+
+    If the camera is triggered by distance, images are taken on the leg between two waypoints, so it must be flown.
+    """
+    return int(plan.mission.trigger == BY_DISTANCE)
 
 
 def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float]]:
@@ -119,7 +134,7 @@ def litchi_notes(plan: Plan) -> tuple[str, ...]:
                 MAX_SPEED_M_PER_S,
             )
         )
-    files = [_files(sum(1 for _ in _shots(plan, sortie))) for sortie in range(plan.path.sorties)]
+    files = [_files(plan, sum(1 for _ in _shots(plan, sortie))) for sortie in range(plan.path.sorties)]
     if sum(files) > len(files) > 1:
         first = (str(1 + sum(files[:number])) for number in range(len(files)))
         notes.append(Message("sorties begin at the parts {0}", ", ".join(first)))

@@ -16,6 +16,8 @@ from ..plan import Plan
 
 #: Heights that differ by less are equal, metres.
 _NOISE_M = 1e-3
+#: Part of a tolerance of heights that files take: half a digit at both ends of a leg, and corners cut.
+_ROUNDING_M = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,27 +123,55 @@ class Sortie:
         if plan.relief.is_level:
             return found
         way_m = np.append(0.0, np.cumsum(legs(self.lat_deg, self.lon_deg).distance_m))
+        tolerance_m = plan.mission.terrain.height_tolerance_m
         for first, last in runs:
             run = slice(first, last + 1)
+            if tolerance_m:
+                # Digits of files and corners that drones cut take part of the tolerance.
+                within_m = max(tolerance_m - _ROUNDING_M, 0.0)
+                found[first + _fewest(way_m[run], self.height_m[run], within_m)] = True
+                continue
             # Fewer waypoints may raise the flight by 1 % of the height above ground.
             higher_m = 0.01 * plan.meant.agl_m[self.capture[run]]
             found[first + _bends(way_m[run], self.height_m[run], higher_m)] = True
-        return found | self._low_points(plan, found)
-
-    def _low_points(self, plan: Plan, found: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Points on legs between waypoints that are too low over the relief, (k,)."""
-        at = np.flatnonzero(found)
+        if tolerance_m:
+            return self._raise_low_legs(plan, found, way_m)
         low = np.zeros(len(found), bool)
+        for first, last in self._low_legs(plan, found):
+            low[first:last] = True
+        kept: NDArray[np.bool_] = found | low
+        return kept
+
+    def _raise_low_legs(self, plan: Plan, found: NDArray[np.bool_], way_m: Floats) -> NDArray[np.bool_]:
+        """Waypoints, with more of them on legs that are too low over the relief, (k,).
+
+        Of each such leg the point that is highest above it becomes a waypoint, until no leg is too low, or has points.
+        """
+        found = found.copy()
+        while True:
+            added = False
+            for first, last in self._low_legs(plan, found):
+                inner = slice(first + 1, last)
+                if inner.start >= inner.stop:
+                    continue
+                line = np.interp(way_m[inner], way_m[[first, last]], self.height_m[[first, last]])
+                found[inner.start + int(np.argmax(self.height_m[inner] - line))] = added = True
+            if not added:
+                return found
+
+    def _low_legs(self, plan: Plan, found: NDArray[np.bool_]) -> list[tuple[int, int]]:
+        """First and last point of each leg between waypoints that is too low over the relief."""
+        at = np.flatnonzero(found)
         if len(at) < 2:
-            return low
+            return []
+        low: list[tuple[int, int]] = []
         lat, height = self.lat_deg[at], self.height_m[at] + self.base_m
         lon = continuous(self.lon_deg[at], float(plan.lon_deg[0]))
         plane = LocalPlane(float(lat[0]), float(lon[0]))
         for below in plan.relief.around(lat, lon, 0.0).profiles(lat, lon, plane):
             line = height[below.leg] + below.share * (height[below.leg + 1] - height[below.leg])
             short = below.highest_m + plan.mission.terrain.clearance_m - line > _NOISE_M
-            for leg in np.unique(below.leg[short]).tolist():
-                low[at[leg] : at[leg + 1]] = True
+            low += [(int(at[leg]), int(at[leg + 1])) for leg in np.unique(below.leg[short]).tolist()]
         return low
 
 
@@ -168,6 +198,33 @@ def _bends(way_m: Floats, height_m: Floats, higher_m: Floats) -> Numbers:
         start += int(np.flatnonzero(free)[-1]) + 1
         found.append(start)
     return np.array(found)
+
+
+def _fewest(way_m: Floats, height_m: Floats, within_m: float) -> Numbers:
+    """Indices (k,) of the fewest points of a run whose connecting lines stay within a distance of all its heights.
+
+    The shortest way from the first point to the last: in each round, to all points that one more line reaches.
+    """
+    count = len(way_m)
+    came_from = np.full(count, -1, np.int64)
+    round_, came_from[0] = [0], 0
+    while came_from[-1] < 0:
+        reached = []
+        for start in round_:
+            rest = slice(start + 1, None)
+            away = np.maximum(way_m[rest] - way_m[start], _NOISE_M)
+            rise = height_m[rest] - height_m[start]
+            low, high = np.maximum.accumulate((rise - within_m) / away), np.minimum.accumulate((rise + within_m) / away)
+            slope = rise / away
+            free = (slope >= low - _NOISE_M / away) & (slope <= high + _NOISE_M / away) & (came_from[rest] < 0)
+            ends = start + 1 + np.flatnonzero(free)
+            came_from[ends] = start
+            reached += ends.tolist()
+        round_ = reached
+    found = [count - 1]
+    while found[-1]:
+        found.append(int(came_from[found[-1]]))
+    return np.array(found[::-1])
 
 
 def sorties(plan: Plan) -> list[Sortie]:

@@ -164,8 +164,8 @@ def _survey(plan: Plan, sortie: Sortie, first: int) -> dict[str, Any]:
     }
     if _follows_terrain(plan):
         inner.update(
-            # QGroundControl's default.
-            TerrainAdjustTolerance=10,
+            # QGroundControl's default is 10 m.
+            TerrainAdjustTolerance=plan.mission.terrain.height_tolerance_m or 10,
             TerrainAdjustMaxClimbRate=plan.mission.terrain.climb_m_per_s or 0,
             TerrainAdjustMaxDescentRate=plan.mission.terrain.climb_m_per_s or 0,
             TerrainFlightSpeed=plan.mission.flight.airspeed_m_per_s,

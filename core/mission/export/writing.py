@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterable, Iterator
-from itertools import count, islice, takewhile
+from itertools import chain, count, islice, takewhile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from ...arrays import Floats
 from ...errors import InvalidInput, Message, OutputError
 from ...storage.files import write_whole
 from ...storage.stores import is_address, store_path
+from ..parts import BY_DISTANCE
 from ..plan import Plan
 from .clearance import FlownPath, Reader, gpx_points, kml_points
 from .geojson import geojson_text
@@ -162,21 +163,23 @@ def _checked_text(plan: Plan, name: str, texts: Iterable[str], points: Callable[
 
 def _checked(
     plan: Plan, name: str, contents: list[Iterable[bytes]], read: Callable[[Reader, bytes], list[FlownPath]]
-) -> list[Iterable[bytes]]:
-    """Contents of files, read back and checked."""
+) -> tuple[list[Iterable[bytes]], tuple[Message, ...]]:
+    """Contents of files, read back and checked, and a note on the heights in them if rows have few waypoints."""
     reader, wholes = Reader(plan), [b"".join(blocks) for blocks in contents]
-    for number, whole in enumerate(wholes, 1):
-        part = name if len(wholes) == 1 else Message("{0}, part {1}", name, number)
-        reader.check(read(reader, whole), part)
-    return [[whole] for whole in wholes]
+    ways = [read(reader, whole) for whole in wholes]
+    for number, one in enumerate(ways, 1):
+        reader.check(one, name if len(wholes) == 1 else Message("{0}, part {1}", name, number))
+    notes = (reader.departure_note(chain.from_iterable(ways), plan),) if plan.mission.trigger == BY_DISTANCE else ()
+    return [[whole] for whole in wholes], notes
 
 
 def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) -> PlanFiles:
     form = _PARTED[lowered]
     form.check(plan)
     contents = form.contents(plan)
+    read_back: tuple[Message, ...] = ()
     if not plan.relief.is_level:
-        contents = _checked(plan, target.name, contents, form.read)
+        contents, read_back = _checked(plan, target.name, contents, form.read)
     stem, ending = target.name[: -len(lowered)], target.name[-len(lowered) :]
     parts = (target.with_name(f"{stem}-{number}{ending}") for number in count(1))
     files, existing = [target], tuple[Path, ...]()
@@ -199,7 +202,7 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
             with contextlib.suppress(OSError):
                 file.unlink()
         raise
-    notes = form.notes(plan)
+    notes = (*form.notes(plan), *read_back)
     if len(files) > 1:
         notes = (
             Message("{0} parts of one flight, {1} to {2}", len(files), files[0].name, files[-1].name),
