@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS
+from ..mission.parts import AUTO
 from ..text.plain import printable, writable
 from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
@@ -75,6 +76,8 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
 
     given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
     values = {**resolve(given, config=arguments.config), SOURCE_WAS_NAMED: names_source(arguments)}
+    if values["airspeed"] == AUTO:
+        raise InvalidInput("airspeed auto: must be a number for a benchmark", field="airspeed_m_per_s")
     more: dict[str, Any] = {} if arguments.shares is None else {"shares": tuple(arguments.shares)}
     return values, BenchmarkSettings(
         build_mission({**values, "imagery": None}),

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ..capture.choices import FOLDERS, IMAGES
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
+from ..mission.parts import AUTO
 from ..storage.stores import is_address
 from ..text.plain import printable
 from ..waiting import cancellable
@@ -149,16 +150,25 @@ def _plan_mission(mission: Mission, values: dict[str, Any], source: Source | Nam
     return plan(mission, source.grid, requested_heights(mission, values))
 
 
-def _align_rows(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
-    """Align the rows of a mission if requested, and print the gain."""
-    if arguments.align is None:
-        return mission
-    from ..mission.flight.alignment import align_rows
-
+def _fit_flight(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
+    """Align the rows of a mission and choose its airspeed where that is requested, and print what comes of it."""
     one = next(iter(mission.missions_by_imagery.values()), mission)
-    found = align_rows(one, grid, requested_heights(one, values), arguments.align)
-    print(printable(found.text()), file=sys.stderr)
-    return mission.replace(row_azimuth_deg=found.azimuth_deg)
+    way = getattr(arguments, "align", None)
+    if way is not None:
+        from ..mission.flight.alignment import align_rows
+
+        found = align_rows(one, grid, requested_heights(one, values), way)
+        print(printable(found.text()), file=sys.stderr)
+        mission, one = (each.replace(row_azimuth_deg=found.azimuth_deg) for each in (mission, one))
+    # A mission file states its speed.
+    if arguments.mission_file is None and values["airspeed"] == AUTO:
+        from ..mission.flight.pilot import greatest_speed_m_per_s
+        from ..mission.plan import plan
+
+        chosen = greatest_speed_m_per_s(plan(one, grid, requested_heights(one, values)))
+        print(f"airspeed {chosen:g} m/s", file=sys.stderr)
+        mission = mission.replace(airspeed_m_per_s=chosen)
+    return mission
 
 
 def _open_source(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
@@ -245,7 +255,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     sources = {
         name: _named_source(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
     }
-    mission = _align_rows(mission, arguments, values, next(iter(sources.values())).grid)
+    mission = _fit_flight(mission, arguments, values, next(iter(sources.values())).grid)
     each = mission.missions_by_imagery
     plans = {name: _plan_mission(each.get(name, mission), values, source) for name, source in sources.items()}
     files: list[str] = []
@@ -350,7 +360,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
                 sources[name] = _named_source(one, values, open_cache(values), as_stored=_as_written(one))
             else:
                 sources[name] = opened.enter_context(_open_source(one, values, as_stored=_as_written(one)))
-        mission = _align_rows(mission, arguments, values, next(iter(sources.values())).grid)
+        mission = _fit_flight(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.missions_by_imagery or {"": mission}
         with cancellable(lambda: bool(signals)):
             engine = _engine(arguments, opened)
@@ -523,6 +533,7 @@ def run_report(arguments: argparse.Namespace) -> int:
     mission, values = _settings(arguments)
     # Errors are measured on 8-bit images, as displayed.
     with _open_source(mission, values, as_stored=False) as source:
+        mission = _fit_flight(mission, arguments, values, source.grid)
         planned = _plan_mission(mission, values, source)
         # A report measures only a few images, which take at most 200 requests.
         _check_terms(planned, source, 200, arguments.accept_terms)

@@ -10,7 +10,18 @@ import numpy as np
 
 from ..errors import Message, OptionName
 from .areas.area import Polygon, Polygons
-from .flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_text
+from .flight.pilot import (
+    SpeedLimits,
+    Sun,
+    airborne_s,
+    airborne_text,
+    area_sun,
+    batteries,
+    interval_s,
+    interval_warnings,
+    sorties_text,
+    speed_limits,
+)
 from .methods import ChosenMethods
 from .plan import Plan
 
@@ -72,7 +83,8 @@ class Summary:
 
     ``flight_…`` figures go from image to image without turns. ``path_…`` figures add turns and the ways to and from the
     take-off, over all sorties; None without a route. ``interval_s`` is the shortest time between two images of a row.
-    ``fov_deg`` is 0 unless the camera looks straight down.
+    ``fov_deg`` is 0 unless the camera looks straight down. ``airborne_s`` is from take-off to landing, as
+    QGroundControl counts it, with ``batteries`` of the mission's ``drone``.
 
     ``polygons`` counts the polygons of the area. ``images_over_no_fly`` counts images left out because their camera
     would stand inside one of the ``no_fly_areas``. Covered and uncovered shares refer to the ground outside these;
@@ -132,12 +144,16 @@ class Summary:
     no_fly_areas: int = 0
     images_over_no_fly: int = 0
     no_fly_m2: float | None = None
+    airborne_s: float | None = None
+    batteries: int | None = None
+    speed_limits: SpeedLimits | None = None
+    drone: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
         plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "accuracy"}
-        sun = None if self.sun is None else self.sun._asdict()
-        return {**plain, "sun": sun, "accuracy": self.accuracy.to_dict()}
+        sun, limits = (None if one is None else one._asdict() for one in (self.sun, self.speed_limits))
+        return {**plain, "sun": sun, "speed_limits": limits, "accuracy": self.accuracy.to_dict()}
 
     @property
     def lacks_imagery(self) -> bool:
@@ -209,8 +225,13 @@ class Summary:
         return [*lines, *self.piloting()]
 
     def piloting(self) -> list[tuple[Message, Message]]:
-        """Labels and values of the sorties and of the sun, if known."""
+        """Labels and values of greatest speed, time, sorties and sun, if known."""
         lines = []
+        if self.speed_limits is not None and self.speed_limits.least_m_per_s is not None:
+            lines.append((Message("greatest speed"), self.speed_limits.text))
+        if self.airborne_s is not None and self.batteries is not None:
+            airborne = airborne_text(self.airborne_s, self.batteries, self.drone)
+            lines.append((Message("time in the air"), airborne))
         if self.battery_min is not None:
             lines.append((Message("sorties"), sorties_text(self.sorties_s, self.battery_min)))
         if self.sun is not None:
@@ -354,6 +375,10 @@ def _flight_figures(plan: Plan) -> dict[str, Any]:
     figures: dict[str, Any] = {"interval_s": interval_s(plan), "sun": area_sun(plan)}
     if attitude.tilt_deg == 0.0 and attitude.roll_deg == 0.0:
         figures["fov_deg"] = plan.mission.camera.fov_deg
+    figures.update(speed_limits=speed_limits(plan), drone=plan.mission.route.drone)
+    if len(plan) > 1:
+        airborne = airborne_s(plan)
+        figures.update(airborne_s=float(airborne.sum()), batteries=batteries(plan, airborne))
     if not path.is_captures:
         seconds = tuple(path.sorties_s.tolist())
         figures.update(path_m=path.distance_m, path_s=sum(seconds), sorties_s=seconds)

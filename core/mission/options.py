@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Callable
 
@@ -11,7 +12,7 @@ from ..geodesy.lens import Lens
 from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES
 from ..numbers import integer, real_number
 from ..units import LENGTHS_M
-from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Route, Terrain
+from .parts import AUTO, Accuracy, Attitude, Flight, Imagery, Output, Pixels, Route, Terrain
 from .presets import PRESET_NAMES
 
 #: Kinds of missions.
@@ -25,6 +26,11 @@ def share(text: str) -> float:
     if not 0.0 <= value < 1.0:
         raise ValueError(text)
     return value
+
+
+def speed(text: str) -> float | str:
+    """Read a speed, or ``auto``; raises ValueError."""
+    return AUTO if text.strip() == AUTO else real_number(text)
 
 
 @dataclass(frozen=True)
@@ -121,6 +127,7 @@ class Option:
                 float: "number",
                 int: "whole number",
                 share: "share from 0 to below 1, such as 0.6 or 60%",
+                speed: "number, or auto",
             }
             raise InvalidInput("{0} {1} {2!r}: must be a {3}", where, self.name, part, names[self.kind]) from wrong
         if self.choices and value not in self.choices:
@@ -149,6 +156,16 @@ def _image_px() -> Option:
     """Option of the image's longer side, which the camera sets by default."""
     option = next(one for one in _fields(Pixels) if one.name == "image_px")
     return replace(option, default=None, about=f"{option.about}; default {option.default}")
+
+
+def _flight() -> Iterator[Option]:
+    """Options of the flight, of which the airspeed may be ``auto``."""
+    for option in _fields(Flight, but=("agl_m", "overlap_along", "overlap_across")):
+        if option.name == "airspeed":
+            more = "auto is the greatest that the camera's interval and the motion blur allow, up to 15 m/s"
+            yield replace(option, kind=speed, help=f"{option.help}; {more}")
+        else:
+            yield option
 
 
 #: All options that state a mission, in the order of help.
@@ -208,7 +225,7 @@ OPTIONS: tuple[Option, ...] = (
         count=(1, 2),
         metavar=("FRONT", "SIDE"),
     ),
-    *_fields(Flight, but=("agl_m", "overlap_along", "overlap_across")),
+    *_flight(),
     Option(
         "wind",
         float,

@@ -659,7 +659,7 @@ class Terrain(CheckedFields):
         0.0,
         title="height tolerance",
         help="over relief, with the trigger by distance, how far flights in files for drones may be above or below the "
-        "planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and at most 1 % higher",
+        "planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and hardly higher",
         unit="m",
         option="height_tolerance",
         least=0.0,
@@ -774,6 +774,26 @@ class Route(CheckedFields):
         option="photo_interval",
         above=0.0,
         suggested=1.0,
+        advanced=True,
+    )
+    exposure_ms: float | None = declared(
+        None,
+        title="exposure time",
+        help="time that the shutter is open; with the motion blur it limits the speed of the flight, and does not blur "
+        "the images",
+        unit="ms",
+        above=0.0,
+        most=10_000.0,
+        suggested=1.0,
+        advanced=True,
+    )
+    blur_px: float = declared(
+        0.5,
+        title="motion blur",
+        help="greatest motion of the ground in an image during the exposure time, straight below the camera",
+        unit="px",
+        above=0.0,
+        most=1000.0,
         advanced=True,
     )
     drone: str = declared(

@@ -24,7 +24,7 @@ from .cameras import camera_named
 from .flight.wind import Wind
 from .mission import Mission, flat_fields
 from .options import OPTIONS
-from .parts import Pixels
+from .parts import AUTO, Flight, Pixels
 from .presets import preset_named
 
 CONFIG_FILE = "config.json"
@@ -173,6 +173,9 @@ def build_mission(values: Mapping[str, Any]) -> Mission:
         fields[name] = fields[name] or ()
     if isinstance(fields["stretch"], tuple):
         fields["stretch"] = " ".join(fields["stretch"])
+    if fields["airspeed_m_per_s"] == AUTO:
+        # It is chosen once the mission is planned.
+        fields["airspeed_m_per_s"] = Flight.airspeed_m_per_s
     fields.update(agl_m=agl_m, overlap_along=overlap[0], overlap_across=overlap[-1])
     return Mission(area, camera=camera, wind=_wind(values), no_fly=_no_fly(values), **fields)
 

@@ -11197,6 +11197,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/clock.py"/>
+        <location filename="../../core/units.py"/>
         <source>milliseconds</source>
         <translation>milisegundos</translation>
     </message>
@@ -11281,6 +11282,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>front overlap</source>
         <translation>solape longitudinal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>greatest speed</source>
+        <translation>velocidad máxima</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -11409,6 +11415,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>time</source>
         <translation>tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>time in the air</source>
+        <translation>tiempo en el aire</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -11874,13 +11885,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
+        <source>airspeed auto: needs a limit of the camera</source>
+        <translation>velocidad auto: necesita un límite de la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>airspeed auto: no speed is slow enough for the camera</source>
+        <translation>velocidad auto: ninguna velocidad es lo bastante lenta para la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
         <source>east</source>
         <translation>este</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
+        <source>give its minimum image interval{0} or its exposure time{1}</source>
+        <translation>indique su intervalo mínimo entre imágenes{0} o su tiempo de exposición{1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
         <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
         <translation>imágenes cada {0:.2g} s: la cámara toma una cada {1:g} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>motion blur of {0:.2g} px: more than {1:g} px</source>
+        <translation>desenfoque de movimiento de {0:.2g} px: más de {1:g} px</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
@@ -11896,6 +11927,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/flight/pilot.py"/>
         <source>north-west</source>
         <translation>noroeste</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>overlap less or fly higher</source>
+        <translation>solape menos o vuele más alto</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
@@ -11929,8 +11965,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0:.1f} min; batteries of the {1}: {2:,}</source>
+        <translation>{0:.1f} min; baterías del {1}: {2:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
         <source>{0:.1f} to {1:.1f}</source>
         <translation>de {0:.1f} a {1:.1f}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0:g} m/s for an image every {1:g} s</source>
+        <translation>{0:g} m/s para una imagen cada {1:g} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0:g} m/s for {1:g} px of blur in {2:g} ms</source>
+        <translation>{0:g} m/s para {1:g} px de desenfoque en {2:g} ms</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
@@ -13076,6 +13127,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>exposure time</source>
+        <translation>tiempo de exposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>files with a value for every pixel, written beside the images: depth along the optical axis, ground points, normals of the ground, and the mask of faces that no map shows; of all map types together</source>
         <translation>archivos con un valor para cada píxel, que se escriben junto a las imágenes: profundidad a lo largo del eje óptico, puntos del terreno, normales del terreno y la máscara de las caras que ningún mapa muestra; de todos los tipos de mapa juntos</translation>
     </message>
@@ -13098,6 +13154,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>frame</source>
         <translation>encuadre</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>greatest motion of the ground in an image during the exposure time, straight below the camera</source>
+        <translation>mayor movimiento del terreno en una imagen durante el tiempo de exposición, justo debajo de la cámara</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -13328,6 +13389,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>motion blur</source>
+        <translation>desenfoque de movimiento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>name it as the elevation{0}</source>
         <translation>indíquela como elevación{0}</translation>
     </message>
@@ -13358,8 +13424,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>over relief, with the trigger by distance, how far flights in files for drones may be above or below the planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and at most 1 % higher</source>
-        <translation>sobre relieve, con el disparo por distancia, cuánto pueden estar los vuelos de los archivos para drones por encima o por debajo de los planificados, para que las filas necesiten menos puntos de paso; 0 los mantiene no más bajos que lo planificado y como mucho un 1 % más altos</translation>
+        <source>over relief, with the trigger by distance, how far flights in files for drones may be above or below the planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and hardly higher</source>
+        <translation>sobre relieve, con el disparo por distancia, cuánto pueden estar los vuelos de los archivos para drones por encima o por debajo de los planificados, para que las filas necesiten menos puntos de paso; 0 los mantiene no más bajos que lo planificado y apenas más altos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -13511,6 +13577,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>tilt</source>
         <translation>inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>time that the shutter is open; with the motion blur it limits the speed of the flight, and does not blur the images</source>
+        <translation>tiempo que el obturador está abierto; con el desenfoque de movimiento limita la velocidad del vuelo, y no desenfoca las imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -15037,6 +15108,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>minutes</source>
         <translation>minutos</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>ms</source>
+        <translation>ms</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

@@ -308,6 +308,8 @@ class RouteSection(Section):
             "turnaround_m",
             "trigger",
             "photo_interval_s",
+            "exposure_ms",
+            "blur_px",
             "battery_min",
             "drone",
         ):

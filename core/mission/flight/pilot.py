@@ -8,11 +8,33 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Floats
-from ...errors import Message, OptionName
+from ...errors import InvalidInput, Message, OptionName
+from ...fields import field_named
 from ...geodesy.sun import sun_position
-from ..parts import HOVER, Flight, utc_time
+from ..parts import DJI_FLY, HOVER, Flight, Route, utc_time
 from ..plan import Plan
-from .path import HOVER_S
+from .legs import legs
+from .path import HOVER_S, LANDING, TAKEOFF
+
+#: Speed that is chosen at most: the greatest of DJI's and Litchi's waypoint flights.
+FASTEST_M_PER_S = 15.0
+#: Speeds of take-off and landing: QGroundControl's defaults.
+ASCENT_M_PER_S, DESCENT_M_PER_S = 3.0, 1.0
+#: Maximum flight times of drones in DJI's specifications, minutes; of those with DJI Fly, that of the Mini 4 Pro.
+ENDURANCE_MIN = {
+    "mavic-3e": 45.0,
+    "mavic-3t": 45.0,
+    "mavic-3m": 43.0,
+    "m30": 41.0,
+    "m30t": 41.0,
+    "m300": 55.0,
+    "m350": 55.0,
+    "m4e": 49.0,
+    "m4t": 49.0,
+    DJI_FLY: 34.0,
+}
+#: Share of a battery that is flown; QGroundControl warns at 30 %.
+FLOWN_SHARE = 0.7
 
 _DIRECTIONS = (
     *(Message("north"), Message("north-east"), Message("east"), Message("south-east")),
@@ -108,21 +130,161 @@ def interval_s(plan: Plan) -> float | None:
     return float((shots.length_m / ground).min()) + _stop_s(plan)
 
 
-def interval_warnings(plan: Plan) -> tuple[str, ...]:
-    """Warnings where images follow each other faster than the camera can take them."""
-    least_s, found_s = plan.mission.route.photo_interval_s, interval_s(plan)
-    if least_s is None or found_s is None or found_s >= least_s:
-        return ()
-    warning = Message("images every {0:.2g} s: the camera takes one every {1:g} s", found_s, least_s)
-    shots, moving_s = _shots(plan), least_s - _stop_s(plan)
-    air = shots.length_m / moving_s + shots.headwind_m_per_s
-    slowest = 0.0 if plan.mission.wind is None else plan.mission.wind.speed_m_per_s
+class SpeedLimits(NamedTuple):
+    """Greatest airspeeds at which the camera keeps up, and at which the blur is as allowed; None if unlimited."""
+
+    interval_m_per_s: float | None
+    blur_m_per_s: float | None
+    photo_interval_s: float | None
+    exposure_ms: float | None
+    blur_px: float
+
+    @property
+    def least_m_per_s(self) -> float | None:
+        """Greatest airspeed within both limits; None if unlimited."""
+        return min((one for one in self[:2] if one is not None), default=None)
+
+    @property
+    def text(self) -> Message:
+        """Limits in words, the lower one first."""
+        interval, blur, photo_interval_s, exposure_ms, blur_px = self
+        limits = []
+        if interval is not None:
+            limits.append((interval, Message("{0:g} m/s for an image every {1:g} s", interval, photo_interval_s)))
+        if blur is not None:
+            limits.append((blur, Message("{0:g} m/s for {1:g} px of blur in {2:g} ms", blur, blur_px, exposure_ms)))
+        return Message.joined(", ", [text for _, text in sorted(limits, key=lambda one: one[0])])
+
+
+def speed_limits(plan: Plan) -> SpeedLimits:
+    """Greatest airspeeds for the camera's interval and for the motion blur, rounded down to 0.1 m/s; 0 if none will do.
+
+    Rows with a tail wind limit the airspeed most. The blur counts straight below the lowest capture; a camera that
+    hovers has none.
+    """
+    shots, route = _shots(plan), plan.mission.route
+    interval = blur = None
+    if route.photo_interval_s is not None and len(shots.length_m):
+        moving_s = route.photo_interval_s - _stop_s(plan)
+        interval = _airspeed(plan, shots, shots.length_m / moving_s) if moving_s > 0.0 else None
+    blurred = _blurred_speed(plan)
+    if blurred is not None:
+        blur = _airspeed(plan, shots, np.full_like(shots.length_m, blurred)) if len(shots.length_m) else blurred
+    return SpeedLimits(interval, blur, route.photo_interval_s, route.exposure_ms, route.blur_px)
+
+
+def greatest_speed_m_per_s(plan: Plan) -> float:
+    """Greatest airspeed that the camera's interval and the motion blur allow, at most `FASTEST_M_PER_S`.
+
+    Raises
+    ------
+    InvalidInput
+        The mission states neither limit, or no speed is slow enough.
+    """
+    found = speed_limits(plan).least_m_per_s
+    if found is None:
+        raise InvalidInput(
+            "airspeed auto: needs a limit of the camera",
+            remedy=Message(
+                "give its minimum image interval{0} or its exposure time{1}",
+                OptionName("photo_interval").in_brackets,
+                OptionName("exposure_ms").in_brackets,
+            ),
+            field="airspeed_m_per_s",
+        )
+    if not found:
+        raise InvalidInput(
+            "airspeed auto: no speed is slow enough for the camera",
+            remedy="overlap less or fly higher",
+            field="airspeed_m_per_s",
+        )
+    return min(found, FASTEST_M_PER_S)
+
+
+def _blurred_speed(plan: Plan) -> float | None:
+    """Ground speed at which the motion blur is as great as allowed, m/s; None if the camera has none."""
+    route = plan.mission.route
+    if route.exposure_ms is None or plan.mission.trigger == HOVER:
+        return None
+    gsd_m = plan.mission.camera.gsd_m_per_px(float(plan.meant.agl_m.min()), plan.mission.pixels.image_px)
+    return route.blur_px * gsd_m / (route.exposure_ms / 1000.0)
+
+
+def _airspeed(plan: Plan, shots: _Shots, ground_m_per_s: Floats) -> float:
+    """Greatest airspeed at which no leg is flown faster over ground, to 0.1 m/s; 0 if the wind alone is faster."""
+    air = ground_m_per_s + shots.headwind_m_per_s
     speed = float(np.where(air > 0.0, np.hypot(air, shots.crosswind_m_per_s), 0.0).min())
     # Rounded down, so that the camera keeps up.
     speed = math.floor(speed * 10.0) / 10.0
-    if speed <= slowest:
-        return (Message("{0}; overlap less or fly higher", warning),)
-    return (Message("{0}; fly at {1:g} m/s or slower ({2})", warning, speed, OptionName("airspeed")),)
+    slowest = 0.0 if plan.mission.wind is None else plan.mission.wind.speed_m_per_s
+    return speed if speed > slowest else 0.0
+
+
+def interval_warnings(plan: Plan) -> tuple[str, ...]:
+    """Warnings where the flight is too fast for the camera's interval or its motion blur."""
+    limits, found_s, blurred = speed_limits(plan), interval_s(plan), _blurred_speed(plan)
+    warnings: list[tuple[Message, float | None]] = []
+    least_s = limits.photo_interval_s
+    if least_s is not None and found_s is not None and found_s < least_s:
+        warning = Message("images every {0:.2g} s: the camera takes one every {1:g} s", found_s, least_s)
+        warnings.append((warning, limits.interval_m_per_s))
+    if blurred is not None and _greatest_ground_speed(plan) > blurred:
+        blur_px = limits.blur_px * _greatest_ground_speed(plan) / blurred
+        warning = Message("motion blur of {0:.2g} px: more than {1:g} px", blur_px, limits.blur_px)
+        warnings.append((warning, limits.blur_m_per_s))
+    return tuple(
+        Message("{0}; fly at {1:g} m/s or slower ({2})", warning, speed, OptionName("airspeed"))
+        if speed
+        else Message("{0}; overlap less or fly higher", warning)
+        for warning, speed in warnings
+    )
+
+
+def _greatest_ground_speed(plan: Plan) -> float:
+    shots, airspeed = _shots(plan), plan.mission.flight.airspeed_m_per_s
+    ground = np.sqrt(airspeed**2 - shots.crosswind_m_per_s**2) - shots.headwind_m_per_s
+    return float(ground.max()) if len(ground) else airspeed
+
+
+def airborne_s(plan: Plan) -> Floats:
+    """Seconds from take-off to landing of each sortie, (k,), as QGroundControl counts them.
+
+    Climb and landing are vertical, at its default speeds; in between, times are those of the path. Without a take-off
+    point, the flight begins and ends below the first point. Turns take the time of their way alone.
+    """
+    path, found = plan.path, []
+    for number in range(path.sorties):
+        one = path.sortie_path(number)
+        air = np.flatnonzero((one.kind != TAKEOFF) & (one.kind != LANDING))
+        first, last = int(air[0]), int(air[-1])
+        has_home = first > 0
+        base_m = path.base_m if has_home else float(one.ground_m[first])
+        home = 0 if has_home else first
+        back = legs(one.lat_deg[[last, home]], one.lon_deg[[last, home]])
+        speed = plan.mission.flight.airspeed_m_per_s
+        if plan.mission.wind is not None:
+            speed = float(plan.mission.wind.ground_speed_m_per_s(back.azimuth_deg, speed)[0])
+        found.append(
+            float(one.time_s[last] - one.time_s[first])
+            + float(back.distance_m[0]) / speed
+            + abs(float(one.height_m[first]) - base_m) / ASCENT_M_PER_S
+            + abs(float(one.height_m[last]) - base_m) / DESCENT_M_PER_S
+        )
+    return np.array(found)
+
+
+def airborne_text(seconds: float, count: int, drone: str) -> Message:
+    """Time from take-off to landing in words, with the batteries of a drone that it takes."""
+    title = Message(field_named(Route, "drone").choices[drone])
+    return Message("{0:.1f} min; batteries of the {1}: {2:,}", seconds / 60.0, title, count)
+
+
+def batteries(plan: Plan, seconds: Floats) -> int:
+    """Number of batteries that sorties take: one for each, or as the endurance of the drone is."""
+    if plan.mission.route.battery_min is not None:
+        return len(seconds)
+    flown_s = 60.0 * FLOWN_SHARE * ENDURANCE_MIN[plan.mission.route.drone]
+    return sum(math.ceil(one / flown_s) for one in seconds.tolist())
 
 
 def _stop_s(plan: Plan) -> float:

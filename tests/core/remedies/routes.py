@@ -7,7 +7,7 @@ from functools import partial
 
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box, Points, Polygon
-from terrainav.core.mission.flight.pilot import interval_warnings
+from terrainav.core.mission.flight.pilot import greatest_speed_m_per_s, interval_warnings
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -80,6 +80,31 @@ def _too_fast(case: Case) -> None:
     text = case.says(said())
     (named, speed) = re.findall(r"(fly at ([0-9.]+) m/s or slower \(--airspeed\))", text)[0]
     case.follow(named, lambda: not said(airspeed_m_per_s=float(speed)))
+
+
+@remedy(
+    "mission/flight/pilot.py",
+    "airspeed auto: needs a limit of the camera; give its minimum image interval (--photo-interval) or its exposure "
+    "time (--exposure-ms)",
+)
+def _no_limit(case: Case) -> None:
+    def chosen(**changes):
+        return greatest_speed_m_per_s(plan(FIELD.replace(**changes), PixelGrid()))
+
+    case.refused(chosen)
+    case.follow("give its minimum image interval (--photo-interval)", lambda: chosen(photo_interval_s=3.0))
+    case.follow("its exposure time (--exposure-ms)", lambda: chosen(exposure_ms=1.0))
+
+
+@remedy("mission/flight/pilot.py", "airspeed auto: no speed is slow enough for the camera; overlap less or fly higher")
+def _no_speed(case: Case) -> None:
+    def chosen(**changes):
+        against = {"wind": Wind(9.0, 270.0, 0.0), "photo_interval_s": 5.0, "overlap_along": 0.8}
+        return greatest_speed_m_per_s(plan(FIELD.replace(**against).replace(**changes), PixelGrid()))
+
+    case.refused(chosen)
+    case.follow("overlap less", lambda: chosen(overlap_along=0.0))
+    case.follow("fly higher", lambda: chosen(agl_m=400.0))
 
 
 @remedy("mission/flight/pilot.py", "{}; overlap less or fly higher")
