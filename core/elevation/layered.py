@@ -165,6 +165,9 @@ def _end_m(layer: Layer, lat_deg: float, lon_deg: float) -> float:
     if layer.grid.extent is None:
         return np.inf
     lat, lon = layer.grid.plane.inverse(*np.array(layer.grid.extent).T)
+    if np.ptp(lon) > 180.0:
+        # Corners may lie near a place from which the layer reaches around the Earth.
+        return np.inf
     corners = sight_lines(np.array(lat_deg), np.array(0.0), lat, lon - lon_deg)
     # Sides bend by up to 1 % of their length.
     end_m = 1.05 * float(np.hypot(corners[:, 0], corners[:, 1]).max())

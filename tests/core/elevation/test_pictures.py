@@ -399,6 +399,18 @@ def test_rings_end_with_the_model_and_show_the_same(files, tmp_path, code):
     assert np.nanmedian(off) < 1e-5
 
 
+@pytest.mark.parametrize("code", [4326, 3857])
+def test_models_around_the_earth_end_nowhere(tmp_path, code):
+    """The corners of such a model are near each other, and may be near the camera."""
+    west, north = pyproj.Transformer.from_crs(4326, code, always_xy=True).transform(-180.0, 61.0)
+    cell = -2.0 * west / 720
+    path = rasters.write(
+        tmp_path / "band.tif", np.zeros((1, 4, 720)), (west, cell, 0.0, north, 0.0, -cell), code,
+        data_type=gdal.GDT_Float32,
+    )  # fmt: skip
+    assert open_relief([str(path)]).end_m(60.5, 179.9) > 700_000.0
+
+
 class Endless:
     """Relief that does not say where it ends."""
 
