@@ -87,8 +87,12 @@ class _Ground:
             height, width = self.missing.shape
             near = np.clip(y_px.astype(np.intp), 0, height - 1), np.clip(x_px.astype(np.intp), 0, width - 1)
             _refuse_missing(int(np.count_nonzero(self.missing[near])))
-        values = self._packed.sample(x_px, y_px, kernel).reshape(*x.shape, picture.shape[2]).mean(axis=1)
-        picture[row, column] = fitted(values, picture.dtype)
+        values = self._packed.sample(x_px, y_px, kernel).reshape(*x.shape, picture.shape[2])
+        # Summed one after the other, as compiled code does: numpy would add samples of a single band in pairs.
+        sums = values[:, 0]
+        for sample in range(1, x.shape[1]):
+            sums = sums + values[:, sample]
+        picture[row, column] = fitted(sums / values.dtype.type(x.shape[1]), picture.dtype)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +124,12 @@ class _Tiles:
         top, left = offsets.min(axis=0).tolist()
         place = tuple(((offsets - (top, left)) // size_px).T)
         blank = np.zeros((size_px, size_px, len(bands)), bands.dtype)
-        tiles = [np.ascontiguousarray(checked(part.window, pixels[part.window], bands)) for part in of_zoom]
+        # Compiled code reads memory by address, where all tiles must be of one size.
+        windows = ((part.window, part.window._replace(width_px=size_px, height_px=size_px)) for part in of_zoom)
+        tiles = [np.ascontiguousarray(checked(whole, pixels[window], bands)) for window, whole in windows]
         addresses, depths = (
-            np.full([int(index.max()) + 1 for index in place], value) for value in (blank.ctypes.data, len(bands))
+            np.full([int(index.max()) + 1 for index in place], value, np.int64)
+            for value in (blank.ctypes.data, len(bands))
         )
         addresses[place], depths[place] = [tile.ctypes.data for tile in tiles], [tile.shape[2] for tile in tiles]
         return cls([blank, *tiles], addresses, depths, size_px, left, top)

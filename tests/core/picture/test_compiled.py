@@ -127,6 +127,35 @@ def test_samples_of_tiles_are_those_of_joined_ones_to_the_last_bit(samples, data
 
 
 @needs_numba
+def test_samples_of_a_single_band_are_added_in_the_same_order():
+    """Another order would change a grey level in some of many pixels."""
+    rng, side = np.random.default_rng(4), 400
+    part = Part(Window(ZOOM, 0, 0, TILE_PX, TILE_PX), 0, 0)
+    pixels = {part.window: rng.integers(0, 256, (TILE_PX, TILE_PX, 1)).astype(np.uint8)}
+    row, column = (at.ravel() for at in np.mgrid[:side, :side])
+    place = rng.uniform(0.0, TILE_PX, (2, side * side, 32)) / GRID.world_px(ZOOM)
+    view = View(side, side, GRID, (), (Samples(ZOOM, row, column, *place),), None, None, 0.0)
+    found = []
+    for code in (compiling.without_numba(), nullcontext()):
+        with code:
+            found.append(camera_frame.render(view, -180.0, [part], pixels, "bilinear", Bands(("grey",), "uint8", (0,))))
+    assert np.array_equal(*found)
+
+
+@needs_numba
+def test_tiles_of_another_size_are_refused():
+    part = Part(Window(ZOOM, 0, 0, TILE_PX, TILE_PX // 2), 0, 0)
+    with pytest.raises(PartError, match="has shape"):
+        camera_frame._Tiles.found(
+            ZOOM,
+            [part],
+            {part.window: np.zeros((TILE_PX // 2, TILE_PX, 1), np.uint8)},
+            Bands(("grey",), "uint8", (0,)),
+            TILE_PX,
+        )
+
+
+@needs_numba
 def test_samples_without_imagery_are_refused_as_without():
     bands = Bands(("grey", "nir"), "uint8", (0,))
     tiles = tiles_of(np.random.default_rng(0), "uint8", 2, (1, 1, 0))
