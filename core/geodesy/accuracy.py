@@ -31,8 +31,6 @@ _GROUND_ROUNDING_M = 2e-9
 _MAP_ROUNDING_M = 1.6e-8
 #: Smallest ground size of a pixel, in metres: rounding of degrees is a twentieth of it, rounding on the map two fifths.
 RESOLVED_M = 4e-8
-
-
 #: Poses whose corner rays are computed at a time, to bound memory.
 _BATCH = 1 << 14
 

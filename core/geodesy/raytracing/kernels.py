@@ -152,7 +152,7 @@ def _clear(
         per_x, per_y = _slope(c, 0, t), _slope(c, 1, t)
         size = float(1 << level)
         wide, widens = _value(spread, 0, t), _slope(spread, 0, t)
-        # HeightBlocks that are not much wider than the bundle allow only tiny steps.
+        # Blocks that are not much wider than the bundle allow only tiny steps.
         roomy = wide <= 0.5 * size
         per_t = rules.speeding * max(max(abs(per_x), abs(per_y)) + widens, rules.slowest)
         step = (size - wide) / per_t if roomy else 0.0

@@ -669,7 +669,7 @@ class Surface:
             if s is not None:
                 wide, widens = _polynomial(s[:, 0], t), _slope(s[:, 0], t)
                 per_t = per_t + widens
-            # HeightBlocks that are not much wider than the bundle allow only tiny steps.
+            # Blocks that are not much wider than the bundle allow only tiny steps.
             roomy = wide <= 0.5 * size
             step = np.where(roomy, size - wide, 0.0) / (_SPEEDING * np.maximum(per_t, _SLOWEST))
             ahead = np.minimum(t + step, end)
