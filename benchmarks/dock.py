@@ -81,6 +81,7 @@ def main() -> None:
     print(f"{session.planned.summary.images:,} images")
     fields = {**form.edges, **{name: w for group in form.groups for name, w in group.entries.items()}}
     for box in form.boxes:
+        form.pages.setCurrentWidget(form.pages.page_of(box))
         box.setCollapsed(False)
     form.set_state(usual)
     run_for(2000)

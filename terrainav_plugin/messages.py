@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 from qgis.core import Qgis, QgsMessageLog
 from qgis.gui import QgisInterface, QgsMessageBarItem
-from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.PyQt.QtCore import QEvent, QObject, Qt, QTimer
 from qgis.PyQt.QtGui import QResizeEvent
 from qgis.PyQt.QtWidgets import (
     QBoxLayout,
@@ -86,6 +86,12 @@ class Messages(QObject):
         self._refusal: QgsMessageBarItem | None = None
         #: The message shown while the user waits, if any.
         self._waiting: QgsMessageBarItem | None = None
+        #: Messages without an action: the next message replaces those of an earlier event.
+        self._notices: list[QgsMessageBarItem] = []
+        self._earlier: list[QgsMessageBarItem] = []
+        self._event_over = QTimer(self)
+        self._event_over.setSingleShot(True)
+        self._event_over.timeout.connect(self._end_event)
         #: Items by topic.
         self._topics: dict[str, list[QgsMessageBarItem]] = {}
         # Use the bar's signal: on the destruction of an item, objects that it calls may already be deleted.
@@ -167,6 +173,7 @@ class Messages(QObject):
         for item in list(self._shown):
             self._iface.messageBar().popWidget(item)
         self._shown.clear()
+        self._notices.clear()
 
     def _show(
         self,
@@ -179,6 +186,7 @@ class Messages(QObject):
         lasts: bool = False,
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
+        self._withdraw_earlier()
         # Escape the text, as the bar reads every text as HTML, and shorten it to a few lines: Qt takes minutes to lay
         # out a million characters.
         shown = escaped(_masked(text, 2000))
@@ -194,8 +202,21 @@ class Messages(QObject):
         if details:
             fitting.buttons.addWidget(self._button(item, tr("Details"), lambda: show_log(self._iface), keep=True))
         self._shown.append(item)
+        if action is None and other is None and not lasts:
+            self._notices.append(item)
+            self._event_over.start(0)
         self._iface.messageBar().pushItem(item)
         return item
+
+    def _end_event(self) -> None:
+        self._earlier = list(self._notices)
+
+    def _withdraw_earlier(self) -> None:
+        """Remove notices of earlier events, which would come back when the next message goes."""
+        for item in self._earlier:
+            if item in self._notices:
+                self._iface.messageBar().popWidget(item)
+        self._earlier = []
 
     def _button(
         self, item: QgsMessageBarItem, label: str, action: Callable[[], None], keep: bool = False
@@ -211,8 +232,9 @@ class Messages(QObject):
 
     def _forget(self, item: QgsMessageBarItem) -> None:
         """Drop an item that the bar deletes, as its wrapper must not be used afterwards."""
-        if item in self._shown:
-            self._shown.remove(item)
+        for items in (self._shown, self._notices):
+            if item in items:
+                items.remove(item)
         if item is self._refusal:
             self._refusal = None
         if item is self._waiting:

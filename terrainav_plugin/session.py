@@ -44,7 +44,7 @@ from .remote.trust import agree, source_names
 from .results.compare import Compare
 from .results.viewing import Viewing
 from .settings import Settings
-from .widgets import remove_menu_mnemonics
+from .widgets import menu_keys
 
 if TYPE_CHECKING:
     from ..core.mission.areas.area import Box
@@ -105,7 +105,7 @@ class Session(QObject):
         self._previewing = self._zoom_to_preview = False
         self._join_panel()
         self._join_rooms()
-        remove_menu_mnemonics(self.dock, window.menuBar())
+        self.dock.assign_letters(menu_keys(window.menuBar()))
         iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
         self._restore()
 

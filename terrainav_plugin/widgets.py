@@ -99,7 +99,9 @@ def box_contents(box: QgsCollapsibleGroupBoxBasic) -> QWidget:
 def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
     """Form layout for a group box."""
     form = growing_form(box_contents(box))
-    form.setVerticalSpacing(4)
+    # Compact rows, as the panel is to show a whole tab on a small screen.
+    form.setVerticalSpacing(2)
+    form.setContentsMargins(9, 0, 9, 2)
     # With a large font, put a label above its entry if both do not fit in a row.
     form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
     return form
@@ -547,6 +549,8 @@ def _number_box(made: _Box, least: float, most: float, decimals: int) -> _Box:
     # Show a number from the start, as an empty text would count as typed.
     made.setValue(made.value())
     made.setShowClearButton(False)
+    # Narrower than the longest number of the range, so that the box fits beside its label.
+    made.setMinimumWidth(10 * made.fontMetrics().averageCharWidth())
     made.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     return made
 
@@ -632,6 +636,11 @@ class FieldMarks:
         """Fields, and the labels for their messages."""
         return list(self._fields.values())
 
+    def wrong(self) -> list[QWidget]:
+        """Fields with a message, other than those whose rows are hidden."""
+        hidden = self.hidden()
+        return [widget for name, (widget, label) in self._fields.items() if label.text() and name not in hidden]
+
     def first_message(self) -> str:
         """Message at the first marked field; empty if none is marked."""
         return next((label.text() for _, label in self._fields.values() if label.text()), "")
@@ -639,12 +648,18 @@ class FieldMarks:
 
 def remove_menu_mnemonics(panel: QWidget, menus: QMenuBar) -> None:
     """Remove a panel's mnemonics that open a menu of the window, or that appear twice."""
-    taken = {mnemonic_key(action.text()) for action in menus.actions() if action.isVisible()}
+    taken = {f"Alt+{key}" for key in menu_keys(menus)}
     for text, change in list(_texts(panel)):
         letter = mnemonic_key(text)
         if letter and letter in taken:
             change(text.replace("&", "", 1))
         taken.add(letter)
+
+
+def menu_keys(menus: QMenuBar) -> set[str]:
+    """Underlined letters of a window's menus."""
+    keys = (mnemonic_key(action.text()) for action in menus.actions() if action.isVisible())
+    return {key.rpartition("+")[2] for key in keys if key}
 
 
 def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int, int]) -> None:

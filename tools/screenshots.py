@@ -176,8 +176,9 @@ class Stage:
     def show_background(self) -> None:
         """Press "Show on map" once earlier drawing has ended."""
         wait("Show on map", self.form.show_on_map.isEnabled)
-        self.form.imagery.setCollapsed(False)
+        self.form.pages.show_field(self.form.show_on_map)
         click(self.form.show_on_map)
+        self.form.pages.setCurrentIndex(0)
         wait("drawing the background", lambda: "Synthetic (offline)" in layer_names())
         wait_until_drawn()
 
@@ -235,7 +236,12 @@ class Stage:
 
     def scroll_to(self, widget: QWidget) -> None:
         """Scroll the panel to an entry."""
-        area = self.dock.parts.widget(0)
+        if widget is self.dock.hint:
+            self.form.pages.currentWidget().verticalScrollBar().setValue(0)
+            return
+        area = self.form.pages.page_of(widget)
+        self.form.pages.setCurrentWidget(area)
+        QTest.qWait(50)
         area.verticalScrollBar().setValue(widget.mapTo(area.widget(), QPoint(0, 0)).y() - 4)
 
     def zoom(self, scale: float) -> None:
@@ -354,15 +360,17 @@ def camera(stage: Stage) -> None:
     stage.settle()
     stage.form.presets.choice.showPopup()
     QTest.qWait(300)
-    stage.shoot("presets.png", stage.part(stage.dock.parts.widget(0)))
+    stage.shoot("presets.png", stage.part(stage.dock.widget()))
     stage.form.presets.choice.hidePopup()
     stage.survey("agricenter")
     stage.paste(FIRST)
-    boxes = stage.form.camera_group.geometry().united(stage.form.flight.geometry())
-    write("camera.png", stage.form.grab(boxes.adjusted(-4, -4, 4, 4)))
+    stage.scroll_to(stage.form.camera_group)
+    QTest.qWait(200)
+    write("camera.png", stage.form.grab())
+    stage.form.pages.setCurrentIndex(0)
     stage.dock.figures.fold.setChecked(True)
     stage.settle()
-    write("figures.png", stage.dock.figures.widget().grab())
+    write("figures.png", stage.dock.figures.grab())
     stage.dock.figures.fold.setChecked(False)
 
 
@@ -590,7 +598,7 @@ def capturing(stage: Stage) -> None:
     wait("line", lambda: len(runs.runs) == 2)
     # New rows change the heights of widgets above them.
     QTest.qWait(1000)
-    stage.shoot("queue.png", stage.part(stage.dock.parts.widget(1)))
+    stage.shoot("queue.png", stage.part(stage.dock.figures, stage.dock.run_list))
     stage.clear()
 
 

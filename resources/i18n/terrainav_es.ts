@@ -588,6 +588,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/panel/form.py"/>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Area</source>
         <translation>Área</translation>
@@ -614,8 +615,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>E</source>
-        <translation>E</translation>
+        <source>East</source>
+        <translation>Este</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -626,11 +627,6 @@
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Edit</source>
         <translation>Editar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>N</source>
-        <translation>N</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -646,6 +642,12 @@
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>No image is taken and no leg leads there</source>
         <translation>Allí no se toma ninguna imagen ni pasa ningún tramo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>North</source>
+        <translation>Norte</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -665,13 +667,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>S</source>
-        <translation>S</translation>
+        <source>Size on the ground: width along its middle parallel, height along a meridian</source>
+        <translation>Tamaño sobre el terreno: anchura a lo largo de su paralelo medio, altura a lo largo de un meridiano</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Size on the ground: width along its middle parallel, height along a meridian</source>
-        <translation>Tamaño sobre el terreno: anchura a lo largo de su paralelo medio, altura a lo largo de un meridiano</translation>
+        <source>South</source>
+        <translation>Sur</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -695,8 +697,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>W</source>
-        <translation>O</translation>
+        <source>West</source>
+        <translation>Oeste</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -1779,6 +1781,7 @@
     <message>
         <location filename="../../terrainav_plugin/dataset/scores.py"/>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/form.py"/>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <source>Imagery</source>
         <translation>Fuente de imágenes</translation>
@@ -2853,6 +2856,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{width} × {height} px</source>
         <translation>{width} × {height} px</translation>
@@ -3052,7 +3056,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/messages.py"/>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Details</source>
         <translation>Detalles</translation>
     </message>
@@ -3587,16 +3590,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
-        <source>Drag to give the entries or the estimates more room; double-click to reset</source>
-        <translation>Arrastre para dar más espacio a los campos o a la estimación; doble clic para restablecer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/dock.py"/>
-        <source>Estimates</source>
-        <translation>Estimación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Export plan…</source>
         <translation>Exportar plan…</translation>
     </message>
@@ -3703,14 +3696,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Dirección de vuelo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/entries.py"/>
-        <source>North</source>
-        <translation>Norte</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>, which is exceeded</source>
         <translation>, que se supera</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>1 image</source>
+        <translation>1 imagen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3744,8 +3737,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Allow upsampling</source>
-        <translation>Permitir sobremuestreo</translation>
+        <source>All estimates: coverage, overlap, flight, download, methods with their error bounds, and more</source>
+        <translation>Todas las estimaciones: cobertura, solape, vuelo, descarga, métodos con sus cotas de error y más</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3779,11 +3772,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Estimates</source>
+        <translation>Estimación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Fix the highlighted fields.</source>
         <translation>Corrija los campos resaltados.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/form.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Flight</source>
         <translation>Vuelo</translation>
@@ -3795,6 +3794,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>GSD {size}</source>
+        <translation>GSD {size}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Ground from {lowest} to {highest}, clearance at least {clearance}</source>
         <translation>Terreno de {lowest} a {highest}, con {clearance} libres como mínimo</translation>
     </message>
@@ -3803,11 +3807,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Image</source>
         <translation>Imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Image size, methods with their error bounds, and what is left out</source>
-        <translation>Tamaño de la imagen, métodos con sus cotas de error y lo que se omite</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3883,11 +3882,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>The source has no finer detail here.</source>
-        <translation>La fuente no tiene aquí más detalle.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Tiles</source>
         <translation>Teselas</translation>
@@ -3896,6 +3890,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Time</source>
         <translation>Tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>Working out the plan…</source>
+        <translation>Calculando el plan…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>another source</source>
+        <translation>otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>fly higher</source>
+        <translation>volar más alto</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3917,6 +3927,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>unlimited at the horizon</source>
         <translation>sin límite en el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>upsample</source>
+        <translation>sobremuestrear</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3955,6 +3970,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{duration} to capture</source>
+        <translation>{duration} de captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{images} in one row</source>
         <translation>{images} en una pasada</translation>
     </message>
@@ -3975,8 +3995,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{n} images</source>
+        <translation>{n} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{share} % covered</source>
+        <translation>{share} % cubierto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{share} % of {area}; {uncovered} not covered</source>
         <translation>{share} % de {area}; {uncovered} sin cubrir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{size} of {width} × {height}: the source has {gsd}</source>
+        <translation>{size} de {width} × {height}: la fuente tiene {gsd}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -4000,6 +4035,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{width} × {height} px, resized from {size}</source>
+        <translation>{width} × {height} px, redimensionada desde {size}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{width} × {height} px: {pixels}</source>
         <translation>{width} × {height} px: {pixels}</translation>
     </message>
@@ -4007,6 +4047,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>≤ {bound} px of a budget of {budget} px</source>
         <translation>≤ {bound} px de {budget} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/form.py"/>
+        <source>Advanced</source>
+        <translation>Avanzado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/form.py"/>
+        <source>Attitude, relief, flight path, pixels, wind and accuracy</source>
+        <translation>Actitud, relieve, trayectoria de vuelo, píxeles, viento y exactitud</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/form.py"/>
+        <source>Camera and flight</source>
+        <translation>Cámara y vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/form.py"/>
+        <source>Imagery and output</source>
+        <translation>Imágenes y salida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/form.py"/>
+        <source>What the images are to show</source>
+        <translation>Lo que deben mostrar las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/headings.py"/>
@@ -4377,11 +4442,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
-        <source>Working out the plan…</source>
-        <translation>Calculando el plan…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/planning.py"/>
         <source>no area yet; draw a box or enter coordinates</source>
         <translation>aún no hay área; dibuje un recuadro o introduzca coordenadas</translation>
     </message>
@@ -4409,12 +4469,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Capture only the failed images again</source>
         <translation>Capturar de nuevo solo las imágenes fallidas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Captures</source>
-        <translation>Capturas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -6299,6 +6353,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>All files (*.*)</source>
         <translation>Todos los archivos (*.*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Captures</source>
+        <translation>Capturas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>

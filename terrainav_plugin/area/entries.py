@@ -1,4 +1,4 @@
-"""Entries of the area: four edges, arranged as on a map around a button, and a description."""
+"""Entries of the area: tools to draw it, a description, and four edges."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from qgis.PyQt.QtCore import QSignalBlocker, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtWidgets import (
     QGridLayout,
-    QHBoxLayout,
     QLabel,
     QPushButton,
     QToolButton,
-    QWidget,
+    QVBoxLayout,
 )
 
 from ..form.state import BOX_FIELDS, FormState
@@ -186,35 +185,31 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         self.redo.setToolTip(shown_plain(tip) if step else tr("No change of the area to redo"))
 
     def _lay_out(self, marks: FieldMarks) -> None:
-        letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
-        grid = QGridLayout(box_contents(self))
-        grid.setHorizontalSpacing(6)
-        # (row, column) of each edge, as on a map.
-        places = {"north": (0, 1), "west": (1, 0), "east": (1, 2), "south": (2, 1)}
-        for name, (line, column) in places.items():
-            cell = QHBoxLayout()
-            label = QLabel(letters[name])
-            label.setBuddy(self.edges[name])
-            cell.addWidget(label)
-            cell.addWidget(self.edges[name], 1)
-            grid.addLayout(cell, line, column)
-        grid.addWidget(self.draw_box, 1, 1)
-        grid.addWidget(self.area_from, 0, 0)
-        grid.addWidget(row(self.undo, self.redo), 0, 2, Qt.AlignmentFlag.AlignRight)
-        grid.addWidget(self.draw_polygon, 2, 0)
-        grid.addWidget(self.edit, 2, 2)
-        grid.addWidget(self.words, 3, 0, 1, 3)
-        grid.addWidget(self.no_fly_from, 4, 0)
-        grid.addWidget(self.no_fly_words, 4, 1, 1, 2)
-        marked = {**self.edges, "shape": self.words, "no_fly": self.no_fly_words}
-        for line, (name, field) in enumerate(marked.items(), start=5):
-            grid.addWidget(marks.label(name, field), line, 0, 1, 3)
+        titles = {"north": tr("North"), "west": tr("West"), "south": tr("South"), "east": tr("East")}
+        tools = QGridLayout()
+        buttons = (self.draw_box, self.draw_polygon, self.area_from, self.edit, self.no_fly_from)
+        for number, tool in enumerate((*buttons, row(self.undo, self.redo))):
+            tools.addWidget(tool, *divmod(number, 3))
         for column in range(3):
-            grid.setColumnStretch(column, 1)
-        order: list[QWidget] = [self.area_from, *self.edges.values(), self.draw_box]
-        order += [self.draw_polygon, self.edit, self.undo, self.redo, self.no_fly_from]
-        for before, after in zip(order, order[1:]):
-            QWidget.setTabOrder(before, after)
+            tools.setColumnStretch(column, 1)
+        corners = QGridLayout()
+        # (row, column) of each edge.
+        places = {"north": (0, 0), "west": (0, 1), "south": (1, 0), "east": (1, 1)}
+        for name, (line, column) in places.items():
+            label = QLabel(titles[name])
+            label.setBuddy(self.edges[name])
+            corners.addWidget(label, line, 2 * column)
+            corners.addWidget(self.edges[name], line, 2 * column + 1)
+        corners.setColumnStretch(1, 1)
+        corners.setColumnStretch(3, 1)
+        layout = QVBoxLayout(box_contents(self))
+        layout.setContentsMargins(9, 0, 9, 2)
+        layout.addLayout(tools)
+        layout.addWidget(self.words)
+        layout.addLayout(corners)
+        layout.addWidget(self.no_fly_words)
+        for name, field in {**self.edges, "shape": self.words, "no_fly": self.no_fly_words}.items():
+            layout.addWidget(marks.label(name, field))
 
 
 def _native(keys: str) -> str:

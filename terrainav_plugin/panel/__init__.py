@@ -2,6 +2,8 @@
 
 dock            entries, figures, buttons and captures, from top to bottom
 form            all entries, as a state that is remembered between sessions
+pages           tabs of the entries, each of which scrolls
+keyboard        Tab in reading order, and a letter for every button and entry
 start           entry of the first image's capture time
 headings        summaries next to the titles of folded groups
 presets         chooser of a preset

@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-from qgis.core import QgsApplication, QgsSettings
-from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDockWidget
-from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
-from qgis.PyQt.QtGui import QResizeEvent, QShowEvent
-from qgis.PyQt.QtWidgets import (
-    QFrame,
-    QGridLayout,
-    QHBoxLayout,
-    QScrollArea,
-    QSplitter,
-    QStyle,
-    QToolButton,
-    QVBoxLayout,
-    QWidget,
-)
+from qgis.core import QgsApplication
+from qgis.gui import QgsDockWidget
+from qgis.PyQt.QtCore import QEvent, QSignalBlocker, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QIcon, QResizeEvent
+from qgis.PyQt.QtWidgets import QFrame, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from ..help import show_help
 from ..i18n import tr
 from ..paths import icon
 from ..widgets import push_button, tool_button, wrapped_label
 from .choices import CameraChoice, SourceChoice
-from .figures import Figures
-from .form import DockForm, set_tab_order
+from .figures import Figures, Link
+from .form import DockForm
+from .keyboard import Letters, next_widget, widget_outside
 from .runs import RunList
 
-_SHARE_KEY = "TerrAInav/estimates_share"
+#: Least width of the panel, in letters.
+_WIDTH_LETTERS = 62
 
 
 class Dock(QgsDockWidget):
@@ -59,11 +51,33 @@ class Dock(QgsDockWidget):
         self.hint.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         self.hint.linkActivated.connect(self.hint_followed)
         self.figures = Figures()
-        self.figures.upsampling_wanted.connect(self.form.allow_upsampling)
+        self.figures.link_followed.connect(self._follow_link)
         self.estimates, self.problem = self.figures.estimates, self.figures.problem
         self.run_list = RunList()
         self._make_buttons()
+        self.letters: Letters | None = None
         self.setWidget(self._contents())
+
+    def assign_letters(self, menu_keys: set[str]) -> None:
+        """Give buttons and entries letters; those of the window's menus only while the keyboard is in the panel."""
+        self.letters = Letters(self.widget(), self.form.pages, self.form.sections, menu_keys)
+
+    def event(self, event: QEvent) -> bool:
+        """Take Alt with a letter of the panel before the window's menus."""
+        if event.type() == QEvent.Type.ShortcutOverride and self.letters is not None and self.letters.override(event):
+            event.accept()
+            return True
+        return super().event(event)
+
+    def focusNextPrevChild(self, forward: bool) -> bool:
+        """Move the keyboard in reading order, and out of the panel at its end."""
+        widget = next_widget(self.widget(), forward) or widget_outside(self, forward)
+        if widget is None:
+            return super().focusNextPrevChild(forward)
+        reason = Qt.FocusReason.TabFocusReason if forward else Qt.FocusReason.BacktabFocusReason
+        widget.setFocus(reason)
+        self.form.pages.show_stop(widget)
+        return True
 
     def show_hint(self, text: str) -> None:
         """Show a hint (HTML) on the first steps; an empty text hides it."""
@@ -88,15 +102,11 @@ class Dock(QgsDockWidget):
         self.test_shot.setEnabled(not busy)
 
     def _make_buttons(self) -> None:
-        self.preview = push_button("preview", tr("Preview"), tr("Show every planned image on the map"), icon("preview"))
+        self.preview = _text_button("preview", tr("Preview"), tr("Show every planned image on the map"))
         self.preview.setCheckable(True)
         self.preview.toggled.connect(self.preview_toggled)
-        self.test_shot = push_button(
-            "test_shot",
-            tr("Test shot"),
-            tr("Click a point on the map and capture one image there"),
-            icon("test_shot"),
-        )
+        tip = tr("Click a point on the map and capture one image there")
+        self.test_shot = _text_button("test_shot", tr("Test shot"), tip)
         self.test_shot.clicked.connect(self.test_shot_clicked)
         self.capture = push_button(
             "capture",
@@ -105,14 +115,10 @@ class Dock(QgsDockWidget):
             icon("capture"),
         )
         self.capture.clicked.connect(self.capture_clicked)
-        of_qgis = QgsApplication.getThemeIcon
-        self.export_plan = push_button(
-            "export_plan",
-            tr("Export plan…"),
-            tr("Write the plan as a file for drones, ground stations and other programs"),
-            of_qgis("/mActionSharingExport.svg"),
-        )
+        tip = tr("Write the plan as a file for drones, ground stations and other programs")
+        self.export_plan = _text_button("export_plan", tr("Export plan…"), tip)
         self.export_plan.clicked.connect(lambda _checked: self.export_plan_clicked.emit())
+        of_qgis = QgsApplication.getThemeIcon
         tip = tr("Open, save and start missions: of this project, from files or from datasets")
         self.missions = tool_button("missions", of_qgis("/mActionFileOpen.svg"), tip, tr("Missions"))
         self.missions.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -122,141 +128,72 @@ class Dock(QgsDockWidget):
         self.help.clicked.connect(lambda _checked: show_help())
 
     def _contents(self) -> QWidget:
-        figures = QgsCollapsibleGroupBoxBasic(tr("Estimates"))
-        inside = QVBoxLayout(figures)
-        inside.addWidget(self.figures)
-        buttons = QGridLayout()
-        buttons.addWidget(self.preview, 0, 0)
-        buttons.addWidget(self.test_shot, 0, 1)
-        buttons.addWidget(self.capture, 1, 0)
-        buttons.addWidget(self.export_plan, 1, 1)
-        buttons.setColumnStretch(0, 1)
-        buttons.setColumnStretch(1, 1)
         top = QHBoxLayout()
         top.addWidget(self.missions)
-        top.addStretch(1)
+        top.addWidget(self.form.presets, 1)
         top.addWidget(self.help)
-        below = QWidget()
-        inside_below = QVBoxLayout(below)
-        inside_below.setContentsMargins(0, 0, 0, 0)
-        inside_below.addWidget(figures)
-        inside_below.addWidget(self.run_list)
-        inside_below.addStretch(1)
-        above = QWidget()
-        inside_above = QVBoxLayout(above)
-        inside_above.setContentsMargins(0, 0, 0, 0)
-        inside_above.addWidget(self.hint)
-        inside_above.addWidget(self.form, 1)
-        self.parts = PanelSplitter(FormScroll(above), below)
-        contents = QWidget()
+        buttons = QHBoxLayout()
+        buttons.setSpacing(4)
+        for button in (self.preview, self.test_shot):
+            buttons.addWidget(button)
+        buttons.addWidget(self.capture, 1)
+        buttons.addWidget(self.export_plan)
+        contents = Contents(self._share_room)
         contents.setStyleSheet(self.form.styleSheet())
         layout = QVBoxLayout(contents)
-        layout.setContentsMargins(4, 4, 4, 6)
+        layout.setContentsMargins(4, 2, 4, 4)
+        layout.setSpacing(4)
         layout.addLayout(top)
-        layout.addWidget(self.parts, 1)
+        layout.addWidget(self.hint)
+        layout.addWidget(self.form, 1)
+        layout.addWidget(self.figures)
+        layout.addWidget(self.run_list)
         layout.addLayout(buttons)
-        # For all rows together: after an order of the entries alone, Tab would lead from the last entry to the first.
-        set_tab_order(layout)
         return contents
 
+    def _share_room(self, height_px: int) -> None:
+        for part in (self.figures, self.run_list):
+            part.set_room(height_px)
 
-class PanelSplitter(QSplitter):
-    """Entries above; below, figures and captures at their natural height until the user moves the border.
+    def _follow_link(self, link: str) -> None:
+        form = self.form
+        acts = {
+            Link.WRONG: form.show_first_wrong,
+            Link.HIGHER: form.fly_higher,
+            Link.UPSAMPLE: form.allow_upsampling,
+            Link.SOURCE: lambda: form.pages.show_field(form.source),
+        }
+        acts[link]()
 
-    The position of a moved border is kept in later sessions; a double click resets it.
+
+class Contents(QWidget):
+    """Contents of the panel.
+
+    Parameters
+    ----------
+    resized : callable
+        Called with each new height.
     """
 
-    def __init__(self, above: QWidget, below: QWidget) -> None:
-        super().__init__(Qt.Orientation.Vertical)
-        self.setObjectName("parts")
-        self.setChildrenCollapsible(False)
-        self._below = below
-        for part in (above, below):
-            self.addWidget(part)
-        self.setStretchFactor(0, 1)
-        self.setStretchFactor(1, 0)
-        self._share = QgsSettings().value(_SHARE_KEY, 0.0, type=float)
-        self.splitterMoved.connect(self._moved)
-        handle = self.handle(1)
-        handle.setToolTip(tr("Drag to give the entries or the estimates more room; double-click to reset"))
-        handle.installEventFilter(self)
-        below.installEventFilter(self)
+    def __init__(self, resized: Callable[[int], None]) -> None:
+        super().__init__()
+        self._resized = resized
+
+    def minimumSizeHint(self) -> QSize:
+        """Return a width at which labels and entries are side by side."""
+        hint = super().minimumSizeHint()
+        return QSize(max(hint.width(), _WIDTH_LETTERS * self.fontMetrics().averageCharWidth()), hint.height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the relative position of the border."""
+        """Share the room anew."""
         super().resizeEvent(event)
-        self.fit()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Adapt to a new height of the lower part; reset the border on a double click."""
-        if event.type() == QEvent.Type.MouseButtonDblClick:
-            self._keep(0.0)
-        elif event.type() == QEvent.Type.LayoutRequest and watched is self._below:
-            self.fit()
-        return super().eventFilter(watched, event)
-
-    def fit(self) -> None:
-        """Give the lower part its natural height, or the share chosen by the user."""
-        room = self.height() - self.handleWidth()
-        if room <= 0:
-            return
-        layout = self._below.layout()
-        wanted = layout.totalSizeHint().height()
-        if layout.hasHeightForWidth():
-            wanted = layout.totalHeightForWidth(self.width())
-        # Until the user moves the border, figures and captures take at most half of the panel.
-        most = round(room * (self._share or 0.5))
-        below = most if self._share else min(wanted, most)
-        self.setSizes([room - below, below])
-
-    def _moved(self) -> None:
-        above, below = self.sizes()
-        self._keep(below / max(above + below, 1))
-
-    def _keep(self, share: float) -> None:
-        self._share = share
-        QgsSettings().setValue(_SHARE_KEY, share)
-        self.fit()
+        self._resized(event.size().height())
 
 
-class FormScroll(QScrollArea):
-    """A scroll area that is never narrower than its contents, even if they become wider."""
-
-    def __init__(self, contents: QWidget) -> None:
-        super().__init__()
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setWidget(contents)
-        contents.installEventFilter(self)
-        # QGIS's groups scroll into view when they are unfolded, but unfortunately also when first shown.
-        self._groups = contents.findChildren(QgsCollapsibleGroupBoxBasic)
-        self._let_groups_scroll(False)
-        self._fit()
-
-    def showEvent(self, event: QShowEvent) -> None:
-        """Start at the top, and let groups scroll into view from then on."""
-        super().showEvent(event)
-        QTimer.singleShot(0, self._shown)
-
-    def _shown(self) -> None:
-        self._let_groups_scroll(True)
-
-    def _let_groups_scroll(self, scroll: bool) -> None:
-        for group in self._groups:
-            group.setScrollOnExpand(scroll)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Fit the width to the contents."""
-        if event.type() == QEvent.Type.LayoutRequest and watched is self.widget():
-            self._fit()
-        return super().eventFilter(watched, event)
-
-    def sizeHint(self) -> QSize:
-        """Return the preferred width of the entries."""
-        bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
-        return QSize(self.widget().sizeHint().width() + bar, super().sizeHint().height())
-
-    def _fit(self) -> None:
-        bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
-        self.setMinimumWidth(self.widget().minimumSizeHint().width() + bar)
+def _text_button(name: str, text: str, tip: str) -> QToolButton:
+    """Button as narrow as its text."""
+    made = tool_button(name, QIcon(), tip, text)
+    made.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+    made.setSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Preferred)
+    made.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    return made

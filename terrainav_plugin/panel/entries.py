@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
 from qgis.PyQt.QtCore import QSignalBlocker, pyqtSignal
+from qgis.PyQt.QtGui import QMouseEvent
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 from ...core.mission.parts import NORTH, TRACK
@@ -27,6 +28,7 @@ from ..widgets import (
     spin,
     tick,
 )
+from .keyboard import fold_button
 from .start import StartEntry
 
 #: Largest value of spin boxes, far beyond the valid ones: numbers are accepted as typed, and messages explain errors.
@@ -243,11 +245,33 @@ class Entries(QgsCollapsibleGroupBoxBasic):
 
 
 class Section(Entries):
-    """A group of less common entries: folded unless an entry differs from its default."""
+    """A group of less common entries: folded unless an entry differs from its default.
+
+    Signals
+    -------
+    opened()
+        The user has unfolded the group.
+    """
+
+    opened = pyqtSignal()
 
     def __init__(self, name: str, title: str, marks: FieldMarks) -> None:
         super().__init__(name, title, marks)
         self.setCollapsed(True)
+        fold = fold_button(self)
+        if fold is not None:
+            fold.clicked.connect(self._folded)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Fold or unfold the group by a click on its title."""
+        was_collapsed = self.isCollapsed()
+        super().mouseReleaseEvent(event)
+        if was_collapsed:
+            self._folded()
+
+    def _folded(self, *_: object) -> None:
+        if not self.isCollapsed():
+            self.opened.emit()
 
     def enter(self, state: FormState) -> None:
         """Enter the fields of a state; unfold the group if an entry changes to a value other than its default."""

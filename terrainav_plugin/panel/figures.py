@@ -1,22 +1,32 @@
-"""Figures of a plan as text: important figures first, the others folded."""
+"""Figures of a plan as text: those that decide in a line, the others folded."""
 
 from __future__ import annotations
 
 import html
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsSettings
 from qgis.PyQt.QtCore import QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QIcon, QResizeEvent
-from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
+from qgis.PyQt.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QScrollArea,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
 
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.methods import bound_text
 from ..dataset.mosaic import MOST_PICTURES
 from ..i18n import capitalized, number_text, tr, translate
+from ..tasks import single_shot
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
 from ..widgets import named, tool_button
 
@@ -27,45 +37,170 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
 
-_FOLDED_KEY = "TerrAInav/folded/details"
+_FOLDED_KEY = "TerrAInav/folded/estimates"
+#: Time after which a mark moves while figures are being worked out: answers are seen as instant below 0.2 s.
+_MARK_MS = 100
 
 
-class Figures(QScrollArea):
-    """Labels with the figures, as high as their text if there is room.
+class Figures(QWidget):
+    """The main figures in a line, which unfolds into all figures; and warnings.
 
     Signals
     -------
-    upsampling_wanted()
-        The user has chosen to allow upsampling.
+    link_followed(str)
+        The user has clicked a link of the line or the warnings, to this address, one of `Link`.
 
     Attributes
     ----------
-    warnings, estimates, details, problem : QLabel
+    line, warnings, estimates, details, problem : QLabel
     fold : QToolButton
-        Button that shows and hides the details.
+        Button that shows and hides all figures.
+    mark : QProgressBar
+        Moves while figures are being worked out.
     """
 
-    upsampling_wanted = pyqtSignal()
+    link_followed = pyqtSignal(str)
 
     def __init__(self) -> None:
         super().__init__()
+        self.line = _label("figures")
         self.problem, self.warnings = _label("problem"), _label("warnings")
         self.estimates, self.details = _label("estimates"), _label("details")
         for label in (self.problem, self.warnings):
             label.setProperty("terrainavMark", "true")
         self.problem.setTextFormat(Qt.TextFormat.PlainText)
-        self.warnings.linkActivated.connect(self.upsampling_wanted)
-        tip = tr("Image size, methods with their error bounds, and what is left out")
-        self.fold = tool_button("fold_details", QIcon(), tip, tr("Details"))
+        for label in (self.line, self.warnings):
+            label.linkActivated.connect(self.link_followed)
+        tip = tr("All estimates: coverage, overlap, flight, download, methods with their error bounds, and more")
+        self.fold = tool_button("fold_estimates", QIcon(), tip)
+        self.fold.setAccessibleName(tr("Estimates"))
         self.fold.setCheckable(True)
         self.fold.setAutoRaise(True)
         self.fold.toggled.connect(self._fold)
+        self.mark = named(QProgressBar(), "working")
+        self.mark.setRange(0, 0)
+        self.mark.setTextVisible(False)
+        self.mark.setFixedHeight(3)
+        policy = self.mark.sizePolicy()
+        policy.setRetainSizeWhenHidden(True)
+        self.mark.setSizePolicy(policy)
+        self.mark.hide()
+        self._soon = single_shot(self.mark.show, self, _MARK_MS)
+        self._text = TextScroll((self.problem, self.warnings, self.estimates, self.details))
+        top = QHBoxLayout()
+        top.addWidget(self.fold, 0, Qt.AlignmentFlag.AlignTop)
+        top.addWidget(self.line, 1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(2)
+        layout.addWidget(self.mark)
+        layout.addLayout(top)
+        layout.addWidget(self._text)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Maximum)
+        self.fold.setChecked(not QgsSettings().value(_FOLDED_KEY, True, type=bool))
+        self._fold(self.fold.isChecked())
+        self.show_text("")
+
+    def show_readout(self, readout: Readout) -> None:
+        """Show the figures of a plan."""
+        self._show(
+            line=readout.line_html(),
+            warnings="<br>".join(html.escape(text) for text in readout.warnings),
+            estimates=readout.figures_html(),
+            details=readout.details_html(),
+        )
+        self.details.setToolTip(readout.why)
+
+    def show_working(self, outdated: bool) -> None:
+        """Show that figures are being worked out; ``outdated`` figures are greyed, and problems removed."""
+        self._soon.start()
+        if not outdated:
+            return
+        if self.estimates.text():
+            for part in (self.line, self._text):
+                part.setEnabled(False)
+        else:
+            self.show_text(tr("Working out the plan…"))
+            self._soon.start()
+
+    def show_text(self, text: str) -> None:
+        """Show a text instead of figures."""
+        self._show(line=html.escape(text))
+
+    def show_problem(self, text: str) -> None:
+        """Show why there are no figures; an empty text refers to the marked fields."""
+        link = f'<a href="{Link.WRONG}">{html.escape(tr("Fix the highlighted fields."))}</a>'
+        self._show(problem=text, warnings="" if text else link)
+
+    def set_room(self, height_px: int) -> None:
+        """Note the height of the panel, of which the figures take a part at most."""
+        self._room_px = height_px
+        self._fit()
+
+    def _show(
+        self, line: str = "", problem: str = "", warnings: str = "", estimates: str = "", details: str = ""
+    ) -> None:
+        for label, text in (
+            (self.line, line),
+            (self.problem, problem),
+            (self.warnings, warnings),
+            (self.estimates, estimates),
+            (self.details, details),
+        ):
+            label.setText(text)
+        for part in (self.line, self._text):
+            part.setEnabled(True)
+        self._soon.stop()
+        self.mark.hide()
+        self._fit()
+
+    def _fold(self, shown: bool) -> None:
+        self.fold.setArrowType(Qt.ArrowType.DownArrow if shown else Qt.ArrowType.RightArrow)
+        QgsSettings().setValue(_FOLDED_KEY, not shown)
+        self._fit()
+
+    #: Height of the panel.
+    _room_px = 0
+
+    def _fit(self) -> None:
+        """Show the labels that have a text, and those unfolded; warnings take a fifth of the panel, figures half."""
+        for label in (self.line, self.problem, self.warnings):
+            label.setVisible(bool(label.text()))
+        for label in (self.estimates, self.details):
+            label.setVisible(bool(label.text()) and self.fold.isChecked())
+        self.fold.setVisible(bool(self.estimates.text()))
+        self._text.setVisible(not all(label.isHidden() for label in self._text.labels))
+        unfolded = not self.estimates.isHidden()
+        self._text.most_px = self._room_px // (2 if unfolded else 5) if self._room_px else 0
+        self._text.updateGeometry()
+
+
+class Link:
+    """Addresses of links: what they do."""
+
+    WRONG, HIGHER, UPSAMPLE, SOURCE = "wrong", "higher", "upsample", "source"
+
+
+class TextScroll(QScrollArea):
+    """Labels one below the other, as high as their text, up to a limit.
+
+    Attributes
+    ----------
+    most_px : int
+        Greatest height; 0 for no limit.
+    """
+
+    most_px = 0
+
+    def __init__(self, labels: Sequence[QLabel]) -> None:
+        super().__init__()
+        self.labels = labels
         contents = QWidget()
         layout = QVBoxLayout(contents)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(2)
-        for part in (self.problem, self.warnings, self.estimates, self.fold, self.details):
-            layout.addWidget(part)
+        for label in labels:
+            layout.addWidget(label)
         self.setWidget(contents)
         self.setWidgetResizable(True)
         for background in (contents, self.viewport()):
@@ -74,40 +209,15 @@ class Figures(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Maximum)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.fold.setChecked(not QgsSettings().value(_FOLDED_KEY, True, type=bool))
-        self._fold(self.fold.isChecked())
-        self.show_text("")
-
-    def show_readout(self, readout: Readout) -> None:
-        """Show the figures of a plan."""
-        warnings = [html.escape(text) for text in readout.warnings]
-        if readout.offers_upsampling:
-            offer = tr("The source has no finer detail here.")
-            link = tr("Allow upsampling")
-            warnings.append(f'{html.escape(offer)} <a href="upsample">{html.escape(link)}</a>')
-        self._show(warnings="<br>".join(warnings), estimates=readout.figures_html(), details=readout.details_html())
-        self.details.setToolTip(readout.why)
-
-    def show_outdated(self) -> None:
-        """Grey out the figures, as they belong to earlier entries."""
-        self.widget().setEnabled(False)
-
-    def show_text(self, text: str) -> None:
-        """Show a text instead of figures."""
-        self._show(estimates=html.escape(text))
-
-    def show_problem(self, text: str) -> None:
-        """Show why there are no figures; an empty text refers to the marked fields."""
-        self._show(problem=text, warnings="" if text else tr("Fix the highlighted fields."))
 
     def sizeHint(self) -> QSize:
-        """Return the size of the whole text at this width."""
-        return QSize(super().sizeHint().width(), self._text_height())
+        """Return the size of the whole text at this width, or the limit."""
+        height = self._text_height()
+        return QSize(super().sizeHint().width(), min(height, self.most_px) if self.most_px else height)
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size of a few lines, or of the whole text if it is shorter."""
-        # At least three lines of text.
-        least = 3 * self.fontMetrics().lineSpacing()
+        """Return the size of two lines, or of the whole text if it is shorter."""
+        least = 2 * self.fontMetrics().lineSpacing()
         return QSize(super().minimumSizeHint().width(), min(least, self._text_height()))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -115,26 +225,6 @@ class Figures(QScrollArea):
         super().resizeEvent(event)
         if event.oldSize().width() != event.size().width():
             self.updateGeometry()
-
-    def _show(self, problem: str = "", warnings: str = "", estimates: str = "", details: str = "") -> None:
-        for label, text in (
-            (self.problem, problem),
-            (self.warnings, warnings),
-            (self.estimates, estimates),
-            (self.details, details),
-        ):
-            label.setText(text)
-            label.setVisible(bool(text))
-        self.widget().setEnabled(True)
-        self.fold.setVisible(bool(details))
-        self.details.setVisible(bool(details) and self.fold.isChecked())
-        self.updateGeometry()
-
-    def _fold(self, shown: bool) -> None:
-        self.fold.setArrowType(Qt.ArrowType.DownArrow if shown else Qt.ArrowType.RightArrow)
-        self.details.setVisible(shown and bool(self.details.text()))
-        QgsSettings().setValue(_FOLDED_KEY, not shown)
-        self.updateGeometry()
 
     def _text_height(self) -> int:
         layout = self.widget().layout()
@@ -151,17 +241,28 @@ class Readout:
         Shown first.
     figures, details : tuple of (label, value)
         The main figures; the other figures.
+    line : tuple of str
+        The figures that decide, in short.
     why : str
         Reasons for the choice of methods, as HTML.
-    offers_upsampling : bool
-        Whether images could have more pixels if upsampling were allowed.
+    links : tuple of str
+        What gives images more pixels where the source is coarser than the camera, of `Link`.
     """
 
     warnings: tuple[str, ...]
     figures: tuple[tuple[str, str], ...]
     details: tuple[tuple[str, str], ...]
+    line: tuple[str, ...] = ()
     why: str = ""
-    offers_upsampling: bool = False
+    links: tuple[str, ...] = ()
+
+    def line_html(self) -> str:
+        """The figures that decide as a line, with links."""
+        titles = {Link.HIGHER: tr("fly higher"), Link.UPSAMPLE: tr("upsample"), Link.SOURCE: tr("another source")}
+        # Break lines between figures only.
+        text = " · ".join(html.escape(part.replace(" ", "\N{NO-BREAK SPACE}")) for part in self.line)
+        links = ", ".join(f'<a href="{link}">{html.escape(titles[link])}</a>' for link in self.links)
+        return f"{text} ({links})" if links else text
 
     def figures_html(self) -> str:
         """The main figures as an HTML table."""
@@ -188,12 +289,47 @@ def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "", polic
     # A source that is at most 2 % coarser than requested counts as fine enough.
     coarser = own_m > 1.02 * summary.requested_gsd_m_per_px
     upsampleable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
+    can_upsample = upsampleable and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None
+    links = (Link.HIGHER, *((Link.UPSAMPLE,) if can_upsample else ()), Link.SOURCE) if coarser else ()
     return Readout(
         tuple(translate(text) for text in summary.warnings),
         (*_figures(plan, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
         tuple(_details(mission, summary, cost)),
+        _line(plan, summary, unit, own_m if coarser else None),
         _why_html(plan.accuracy),
-        coarser and upsampleable and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None,
+        links if coarser and not mission.pixels.upsample else (),
+    )
+
+
+def _line(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -> tuple[str, ...]:
+    images = tr("1 image") if summary.images == 1 else tr("{n} images").format(n=number_text(summary.images))
+    covered = summary.covered_share
+    # Round down, so that incomplete coverage is never shown as 100 %.
+    share = 100.0 if summary.complete or covered is None else int(covered * 1e4) / 1e2
+    return (
+        images,
+        *(() if covered is None else (tr("{share} % covered").format(share=number_text(share, "g")),)),
+        tr("GSD {size}").format(size=gsd_text(summary.delivered_gsd_m_per_px, unit)),
+        _size(plan.mission, summary, unit, coarser_m),
+        tr("{duration} to capture").format(duration=duration_text(summary.seconds)),
+    )
+
+
+def _size(mission: Mission, summary: Summary, unit: str, coarser_m: float | None) -> str:
+    """Size of the images, and of the camera's where the source is coarser."""
+    size = tr("{width} × {height} px").format(
+        width=number_text(summary.width_px), height=number_text(summary.height_px)
+    )
+    if mission.output.img_size is not None:
+        width, height = mission.output.img_size[:2]
+        whole = tr("{width} × {height} px, resized from {size}")
+        return whole.format(width=number_text(width), height=number_text(height), size=size)
+    if coarser_m is None or mission.pixels.upsample:
+        return size
+    longer, ratio = mission.pixels.image_px, mission.camera.aspect_ratio
+    wide, high = (longer, round(longer / ratio)) if ratio >= 1.0 else (round(longer * ratio), longer)
+    return tr("{size} of {width} × {height}: the source has {gsd}").format(
+        size=size, width=number_text(wide), height=number_text(high), gsd=gsd_text(coarser_m, unit)
     )
 
 

@@ -2,38 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from qgis.core import QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import QObject, QSignalBlocker, Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import (
-    QGridLayout,
-    QLayout,
-    QLayoutItem,
-    QScrollArea,
-    QSplitter,
-    QVBoxLayout,
-    QWidget,
-)
+from qgis.PyQt.QtCore import QObject, QSignalBlocker, pyqtSignal
+from qgis.PyQt.QtWidgets import QVBoxLayout, QWidget
 
 from ...core.mission.presets import Preset
 from ..area.editing import AreaEditing
 from ..area.entries import AreaEntries
-from ..form.camera import settled
+from ..form.camera import GSD_M, settled
 from ..form.headings import headings
 from ..form.mission_form import drop_extras, extras_text
 from ..form.presets import apply_preset, find_preset, without_preset
 from ..form.state import FormState, keep_unchanged
+from ..i18n import tr
 from ..settings import Settings
 from ..tasks import single_shot
 from ..widgets import STYLE_SHEET, FieldMarks, named
 from .camera import CameraEntries
 from .choices import CameraChoice, SourceChoice
+from .entries import Section
 from .headings import Heading
 from .imagery import ImageryEntries
+from .pages import Pages
 from .presets import PresetChooser
 from .sections import (
     AccuracySection,
@@ -73,11 +69,8 @@ class DockForm(QWidget):
         self.setStyleSheet(STYLE_SHEET)
         self._make_groups(sources, cameras)
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(self.presets)
-        for box in self.boxes:
-            layout.addWidget(box)
-        layout.addStretch(1)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.pages)
         self._folds = Folds(self.boxes)
         self._headings = {box.objectName(): Heading(box) for box in self.boxes}
         self._show(FormState())
@@ -145,6 +138,15 @@ class DockForm(QWidget):
         for group in self.groups:
             group.show_marked(messages)
         self.marks.show(messages)
+        self.pages.mark(self.marks.wrong())
+
+    def show_first_wrong(self) -> None:
+        """Show the first field with an invalid value."""
+        wrong = self.marks.wrong()
+        if wrong:
+            # In the order of the panel, which is not that of the messages.
+            order = [widget for page in self.pages.pages() for widget in page.findChildren(QWidget)]
+            self.pages.show_field(min(wrong, key=order.index))
 
     def show_key(self, authcfg: str) -> None:
         """Show the authentication configuration of the chosen source."""
@@ -153,9 +155,14 @@ class DockForm(QWidget):
                 self.key.setConfigId(authcfg)
 
     def allow_upsampling(self) -> None:
-        """Check the box that allows images finer than the source, and show it."""
-        self.pixels.setCollapsed(False)
+        """Check the box that allows images finer than the source."""
         self.pixels.upsample.setChecked(True)
+
+    def fly_higher(self) -> None:
+        """Enter the height at which the camera's pixels are as large as the source's."""
+        gsd_m = self.pixels.source_gsd_m()
+        if gsd_m is not None:
+            self.camera_gsd.setValue(gsd_m / GSD_M[self.state().agl_unit])
 
     # --- presets
 
@@ -210,6 +217,14 @@ class DockForm(QWidget):
         self.groups = (camera, flight, output, *self.sections)
         #: All groups from top to bottom.
         self.boxes = (area, camera, flight, imagery, output, *self.sections)
+        self.pages = Pages(
+            (
+                (tr("Area"), tr("What the images are to show"), (area,)),
+                (tr("Flight"), tr("Camera and flight"), (camera, flight)),
+                (tr("Imagery"), tr("Imagery and output"), (imagery, output)),
+                (tr("Advanced"), tr("Attitude, relief, flight path, pixels, wind and accuracy"), self.sections),
+            )
+        )
 
     # --- reactions
 
@@ -224,6 +239,8 @@ class DockForm(QWidget):
         self.changed.connect(self._show_headings)
         for group in self.groups:
             group.edited.connect(self._edited)
+        for section in self.sections:
+            section.opened.connect(partial(self._fold_others, section))
         self.camera_group.chosen.connect(self._take_camera)
         self.changed.connect(lambda: self.accuracy.show_more(extras_text(self.state())))
         self.accuracy.reset_clicked.connect(lambda: self.set_state(drop_extras(self.state())))
@@ -231,6 +248,12 @@ class DockForm(QWidget):
     def _changed(self) -> None:
         if not self._setting:
             self.changed.emit()
+
+    def _fold_others(self, opened: Section) -> None:
+        """Leave one section open, so that the others stay in sight."""
+        for section in self.sections:
+            if section is not opened:
+                section.setCollapsed(True)
 
     def _edited(self, field: str) -> None:
         """Update the entries that depend on the one changed by the user."""
@@ -266,13 +289,6 @@ class Folds:
                 box.setCollapsed(settings.value(key, box.isCollapsed(), type=bool))
 
 
-def set_tab_order(layout: QLayout) -> None:
-    """Make the Tab key follow the rows of a layout, including nested layouts."""
-    widgets = list(_ordered_widgets(layout))
-    for before, after in zip(widgets, widgets[1:]):
-        QWidget.setTabOrder(before, after)
-
-
 class FormMemory(QObject):
     """Save the entries to the settings after a pause in typing.
 
@@ -301,35 +317,3 @@ class FormMemory(QObject):
         """Save the current entries."""
         self._pause.stop()
         self._settings.form = self._read().to_json()
-
-
-def _ordered_widgets(layout: QLayout) -> Iterator[QWidget]:
-    """Widgets of a layout that take the keyboard focus, row by row."""
-    for item in _items(layout):
-        widget, inner = item.widget(), item.layout()
-        if widget is not None:
-            if widget.focusProxy() is None and widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
-                yield widget
-            inner = widget.layout()
-        if inner is not None:
-            yield from _ordered_widgets(inner)
-        for part in _parts(widget):
-            if part.layout() is not None:
-                yield from _ordered_widgets(part.layout())
-
-
-def _parts(widget: QWidget | None) -> list[QWidget]:
-    """Widgets that a splitter or scroll area holds without a layout."""
-    if isinstance(widget, QSplitter):
-        children = [widget.widget(number) for number in range(widget.count())]
-        return [part for child in children for part in (_parts(child) or [child])]
-    return [widget.widget()] if isinstance(widget, QScrollArea) else []
-
-
-def _items(layout: QLayout) -> list[QLayoutItem]:
-    """Items of a layout; the items of a grid are ordered by row and column."""
-    numbers = range(layout.count())
-    if isinstance(layout, QGridLayout):
-        places = sorted((layout.getItemPosition(number)[:2], number) for number in numbers)
-        numbers = [number for _, number in places]
-    return [layout.itemAt(number) for number in numbers]

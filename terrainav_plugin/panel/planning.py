@@ -114,8 +114,7 @@ class Planning(QObject):
             return False
         self._form.show_messages({})
         self._asked = mission
-        if self.latest is None or self.latest.mission != mission:
-            self._dock.figures.show_outdated()
+        self._dock.figures.show_working(self.latest is None or self.latest.mission != mission)
         timed = not self._mission_cost(mission) and self._may_time() and self._when_planned is None
         self._planner.request(mission, at_once, timed)
         return True

@@ -1,20 +1,21 @@
-"""Chooser of a preset at the top of the panel, with a description of the preset."""
+"""Chooser of a preset at the top of the panel; its tooltips describe the presets."""
 
 from __future__ import annotations
 
 from qgis.PyQt.QtCore import QSignalBlocker, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QStandardItemModel
-from qgis.PyQt.QtWidgets import QFormLayout, QVBoxLayout, QWidget
+from qgis.PyQt.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from ...core.mission.presets import PRESETS, Preset
 from ..i18n import tr, translate
-from ..widgets import combo, wrapped_label
+from ..plain import shown_plain
+from ..widgets import combo
 
 _CUSTOM = ""
 
 
 class PresetChooser(QWidget):
-    """Presets by name, and a line that describes the selected preset.
+    """Presets by name.
 
     Signals
     -------
@@ -33,20 +34,20 @@ class PresetChooser(QWidget):
         super().__init__()
         self.preset: Preset | None = None
         items = [(preset.name, translate(preset.title)) for preset in PRESETS]
-        tip = tr("Fills in suitable values for a purpose; you can change each of them")
-        self.choice = combo("preset", [*items, (_CUSTOM, tr("Custom"))], tip)
+        self._tip = tr("Fills in suitable values for a purpose; you can change each of them")
+        self.choice = combo("preset", [*items, (_CUSTOM, tr("Custom"))], self._tip)
+        for number, preset in enumerate(PRESETS):
+            self.choice.setItemData(number, _note(preset), Qt.ItemDataRole.ToolTipRole)
         model = self.choice.model()
         if isinstance(model, QStandardItemModel):
             # The last item, shown for values of no preset, cannot be chosen.
             model.item(self.choice.count() - 1).setFlags(Qt.ItemFlag.NoItemFlags)
-        self.note = wrapped_label("preset_note")
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(9, 0, 9, 0)
-        form = QFormLayout()
-        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
-        form.addRow(tr("Preset"), self.choice)
-        layout.addLayout(form)
-        layout.addWidget(self.note)
+        label = QLabel(tr("Preset"))
+        label.setBuddy(self.choice)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(label)
+        layout.addWidget(self.choice, 1)
         self.choice.activated.connect(self._activated)
         self.show_preset(None)
 
@@ -55,11 +56,14 @@ class PresetChooser(QWidget):
         self.preset = preset
         with QSignalBlocker(self.choice):
             self.choice.setCurrentIndex(self.choice.findData(_CUSTOM if preset is None else preset.name))
-        self.note.setText("" if preset is None else translate(preset.note) + ".")
-        self.note.setVisible(preset is not None)
+        self.choice.setToolTip(shown_plain(self._tip if preset is None else f"{_note(preset)}\n{self._tip}"))
 
     def _activated(self) -> None:
         name = self.choice.currentData()
         found = next((preset for preset in PRESETS if preset.name == name), None)
         if found is not None:
             self.chosen.emit(found)
+
+
+def _note(preset: Preset) -> str:
+    return translate(preset.note) + "."

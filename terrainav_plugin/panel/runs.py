@@ -10,7 +10,6 @@ from qgis.PyQt.QtCore import QObject, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import (
     QFrame,
     QHBoxLayout,
-    QLabel,
     QProgressBar,
     QScrollArea,
     QSizePolicy,
@@ -26,6 +25,9 @@ from ..widgets import ElidedLabel, named, push_button, tool_button
 
 if TYPE_CHECKING:
     from ..capture.queue import Runs
+
+#: Height of the panel for each row shown.
+_ROW_SHARE_PX = 250
 
 
 class RunPanel(QObject):
@@ -103,7 +105,7 @@ class RunPanel(QObject):
 
 
 class RunList(QWidget):
-    """List of runs, with a heading and a button that removes ended runs; hidden while empty.
+    """List of runs, with a button that removes ended runs if there are several runs; hidden while empty.
 
     Signals
     -------
@@ -121,15 +123,12 @@ class RunList(QWidget):
             tr("Remove finished captures from the list (files are kept)"),
         )
         self.clear.clicked.connect(self.clear_clicked)
-        top = QHBoxLayout()
-        top.addWidget(QLabel(tr("Captures")))
-        top.addStretch(1)
-        top.addWidget(self.clear)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(2)
-        layout.addLayout(top)
         layout.addWidget(self.listed)
+        layout.addWidget(self.clear, 0, Qt.AlignmentFlag.AlignRight)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Maximum)
         self.hide()
 
     @property
@@ -150,11 +149,20 @@ class RunList(QWidget):
     def fit(self, finished: bool) -> None:
         """Update the height after rows have changed; ``finished`` is whether a run has ended."""
         self.clear.setEnabled(finished)
+        # A single row has a button of its own.
+        self.clear.setVisible(len(self.rows) > 1)
+        self.listed.fit()
+
+    def set_room(self, height_px: int) -> None:
+        """Note the height of the panel: a small one shows fewer rows."""
+        self.listed.most_rows = min(max(height_px // _ROW_SHARE_PX, 1), 4)
         self.listed.fit()
 
 
 class RunRows(QScrollArea):
-    """Rows from top to bottom; scrolls if there are more than a few."""
+    """Rows from top to bottom; scrolls if there are more than ``most_rows``."""
+
+    most_rows = 4
 
     def __init__(self) -> None:
         super().__init__()
@@ -196,8 +204,8 @@ class RunRows(QScrollArea):
         self.updateGeometry()
 
     def sizeHint(self) -> QSize:
-        """Return the size of all rows, but at most of four."""
-        return QSize(super().sizeHint().width(), self._list_height(4))
+        """Return the size of all rows, but at most of ``most_rows``."""
+        return QSize(super().sizeHint().width(), self._list_height(self.most_rows))
 
     def minimumSizeHint(self) -> QSize:
         """Return the size of one row."""

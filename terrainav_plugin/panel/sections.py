@@ -74,7 +74,6 @@ class FlightEntries(Entries):
         self._add_height()
         self._add_overlap()
         self._add_lines()
-        self.add_declared("airspeed_m_per_s")
 
     def values(self) -> dict[str, Any]:
         """Return the values of the entries; a ground sample distance that does not determine the height is 0."""
@@ -134,6 +133,8 @@ class FlightEntries(Entries):
         self.overlap_along, self.overlap_across = map(declared_number, ("overlap_along", "overlap_across"))
         self.overlap_along.setPrefix(tr("front") + " ")
         self.overlap_across.setPrefix(tr("side") + " ")
+        for box in (self.overlap_along, self.overlap_across):
+            box.setMinimumWidth(14 * box.fontMetrics().averageCharWidth())
         overlaps = {"overlap_along": self.overlap_along, "overlap_across": self.overlap_across}
         self.add_two(tr("Overlap"), *overlaps, overlaps)
 
@@ -153,7 +154,7 @@ class FlightEntries(Entries):
         self.add_declared("order")
         self.add_declared("crosshatch")
         self.add_declared("facing", FacingBox("facing", field_tip(DECLARED["facing"])))
-        self.add_declared("margin_m")
+        self.add_declared("airspeed_m_per_s")
 
 
 class OutputEntries(Entries):
@@ -237,6 +238,10 @@ class PixelsSection(Section):
         self._zooms.setText(text.format(native=grid.native_zoom, size=size, least=grid.min_zoom))
         self._show_rows()
 
+    def source_gsd_m(self) -> float | None:
+        """Ground sample distance of the source in the plan shown last; None before there is one."""
+        return None if self._plan is None else self._plan.resolution.source_m_per_px
+
     def _way_chosen(self) -> None:
         """Enter the zoom of the plan if the source lacks the entered zoom."""
         values, plan = self.values(), self._plan
@@ -281,7 +286,7 @@ class ReliefSection(Section):
 
 
 class RouteSection(Section):
-    """Take-off, connection of rows, trigger of the camera, and batteries.
+    """Take-off, margin, connection of rows, trigger of the camera, and batteries.
 
     Signals
     -------
@@ -303,6 +308,7 @@ class RouteSection(Section):
         label = field_label(DECLARED["takeoff"])
         self.add("takeoff", label, self.takeoff, row(self.takeoff, self.pick_takeoff, stretch=0))
         for name in (
+            "margin_m",
             "entry",
             "lead_in_m",
             "turnaround_m",

@@ -220,6 +220,7 @@ def desk(
     desk = Desk(plugin, iface, qtbot, tmp_path / "mission")
     desk.session.settings.backgrounds_folder = str(tmp_path / "backgrounds")
     desk.session.show_dock(True)
+    desk.form.pages.setCurrentIndex(0)
     desk.form.set_state(FormState(folder=str(desk.folder)))
     yield desk
     desk.session.runs.cancel()

@@ -65,7 +65,14 @@ class Desk:
         self.choose(self.form.source, "url-template")
         self.form.template.setText(template)
 
+    def show(self, part):
+        """Open the tab of a part of the panel."""
+        pages = self.form.pages
+        pages.setCurrentWidget(pages.page_of(part))
+
     def click(self, button):
+        if self.form.pages.isAncestorOf(button):
+            self.show(button)
         # In a group that has just been unfolded it has no size yet, and would not be hit.
         self.wait(lambda: not button.size().isEmpty())
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)

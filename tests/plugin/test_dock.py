@@ -115,6 +115,8 @@ def test_bad_value_is_marked_at_its_field_only(desk, field, entries, words):
     assert words in desk.message(field)
     labels = [label for _, label in desk.form.marks.fields() if label.text()]
     assert len(labels) == 1
+    # The link beside the figures leads there.
+    desk.dock.figures.warnings.linkActivated.emit("wrong")
     assert labels[0].isVisibleTo(desk.dock)
     assert desk.dock.estimates.text() == ""
 

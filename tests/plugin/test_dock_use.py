@@ -12,7 +12,7 @@ import pytest
 from qgis.core import QgsSettings
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
-from qgis.PyQt.QtWidgets import QAbstractSpinBox, QApplication
+from qgis.PyQt.QtWidgets import QAbstractSpinBox, QApplication, QPushButton, QToolButton
 from terrainav.terrainav_plugin.panel.dock import Dock
 
 # Calls of Python functions that one key may cost the main thread: some milliseconds of work.
@@ -52,11 +52,11 @@ def test_upsampling_is_offered_beside_the_figures(desk):
     desk.choose(desk.form.source, "esri-world-imagery")
     desk.form.agl.setValue(30.0)
     desk.wait_planned()
-    warnings = desk.dock.figures.warnings
-    assert warnings.isVisibleTo(desk.dock)
-    assert "Allow upsampling" in warnings.text()
+    line = desk.dock.figures.line
+    assert line.isVisibleTo(desk.dock)
+    assert ">upsample</a>" in line.text()
     assert "show no finer detail" in html.unescape(desk.dock.estimates.text())
-    warnings.linkActivated.emit("upsample")
+    line.linkActivated.emit("upsample")
     assert desk.form.pixels.entries["upsample"].isChecked()
     planned = desk.wait_planned()
     assert planned.mission.pixels.upsample
@@ -132,8 +132,10 @@ def fresh_dock(desk):
 
 
 def test_folds_are_remembered_as_a_person_left_them(desk, fresh_dock):
-    desk.form.attitude.setCollapsed(True)
+    desk.show(desk.form.imagery)
     desk.form.imagery.setCollapsed(True)
+    desk.show(desk.form.attitude)
+    desk.form.attitude.setCollapsed(True)
     for folded in (True, False):
         desk.form.pixels.setCollapsed(folded)
     desk.dock.figures.fold.setChecked(True)
@@ -141,6 +143,7 @@ def test_folds_are_remembered_as_a_person_left_them(desk, fresh_dock):
     assert later.form.imagery.isCollapsed()
     assert not later.form.pixels.isCollapsed()
     assert later.figures.fold.isChecked()
+    desk.show(desk.form.imagery)
     desk.form.imagery.setCollapsed(False)
     desk.dock.figures.fold.setChecked(False)
     # What an error has opened is not what the person wished for.
@@ -152,28 +155,52 @@ def test_folds_are_remembered_as_a_person_left_them(desk, fresh_dock):
     assert not later.form.imagery.isCollapsed()
 
 
-def test_tab_key_goes_as_the_eye_reads(desk):
-    form = desk.form
+@pytest.mark.parametrize("number", range(4))
+def test_tab_key_goes_as_the_eye_reads_and_leaves_the_panel(desk, number):
+    form, dock = desk.form, desk.dock
+    form.pages.setCurrentIndex(number)
+    page = form.pages.currentWidget()
     for box in form.boxes:
-        box.setCollapsed(False)
-    inside = [form.camera_group, form.flight, form.output, *form.sections]
-    QApplication.setActiveWindow(desk.dock.window())
-    form.camera.setFocus()
-    visited = []
+        if page.isAncestorOf(box):
+            box.setCollapsed(False)
+    desk.enter_box("35.14", "-89.87", "35.131", "-89.856")
+    desk.wait_planned()
+    desk.wait_steady(page.widget().height)
+    QApplication.setActiveWindow(dock.window())
+    dock.missions.setFocus()
+    visited = [dock.missions]
     for _ in range(200):
+        QTest.keyClick(QApplication.focusWidget(), Qt.Key.Key_Tab)
         widget = QApplication.focusWidget()
-        if widget in visited or widget is None or not form.isAncestorOf(widget):
+        if widget is None or not dock.isAncestorOf(widget):
             break
-        visited.append(widget)
-        QTest.keyClick(widget, Qt.Key.Key_Tab)
-    # Layouts settle, now that groups are open.
-    QTest.qWait(50)
-    entries = [w for group in inside for w in group.entries.values() if w.isVisibleTo(form) and w.isEnabled()]
-    found = [w for w in visited if any(w is entry for entry in entries)]
-    assert set(map(id, found)) == {id(w) for w in entries if w.focusPolicy() & Qt.FocusPolicy.TabFocus}
-    places = [w.mapTo(form, QPoint(0, w.height() // 2)) for w in found]
+        if widget is not visited[-1]:
+            visited.append(widget)
+    assert not dock.isAncestorOf(QApplication.focusWidget())
+    assert len(visited) == len(set(map(id, visited)))
+    # Every entry and button that is seen.
+    entries = [one for group in form.groups for one in group.entries.values()]
+    entries += [*form.edges.values(), form.source, *page.findChildren(QPushButton), *page.findChildren(QToolButton)]
+    entries += [dock.preview, dock.test_shot, dock.capture, dock.export_plan, dock.figures.fold, dock.help]
+    entries.append(form.pages.tabBar())
+    focused = Qt.FocusPolicy.TabFocus
+    wanted = {id(w) for w in entries if w.isVisible() and w.isEnabled() and w.focusPolicy() & focused}
+    assert wanted <= set(map(id, visited))
+    # And back again.
+    dock.export_plan.setFocus()
+    back = [dock.export_plan]
+    while back[-1] is not dock.missions and len(back) < 200:
+        QTest.keyClick(back[-1], Qt.Key.Key_Backtab)
+        if QApplication.focusWidget() is not back[-1]:
+            back.append(QApplication.focusWidget())
+    assert back[::-1] == visited
+    inside = [w for w in visited if page.isAncestorOf(w) and w in entries and not isinstance(w, QToolButton)]
+    places = [w.mapTo(page.widget(), QPoint(0, w.height() // 2)) for w in inside]
     lines = [(round(place.y() / 8), place.x()) for place in places]
     assert lines == sorted(lines)
+    for box in form.boxes:
+        if page.isAncestorOf(box):
+            box.setCollapsed(box in form.sections)
 
 
 def test_wheel_over_an_entry_scrolls_the_panel(desk):

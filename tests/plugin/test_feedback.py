@@ -6,13 +6,12 @@ import threading
 
 import pytest
 from qgis.core import QgsApplication, QgsProject, QgsRasterLayer, QgsSettings
-from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtTest import QTest
-from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.errors import InvalidInput, Message
 from terrainav.terrainav_plugin import planner
 from terrainav.terrainav_plugin.i18n import translate
 from terrainav.terrainav_plugin.tasks import Task
+from terrainav.terrainav_plugin.widgets import WRONG_COLOUR
 
 from tests.support.tileserver import TileServer
 
@@ -123,18 +122,70 @@ def test_layers_are_named_by_their_titles(desk):
     assert "a layer that is not in the project" in translate(Message("source {0}", "qgis:layer/gone_1"))
 
 
-def test_tab_reaches_the_buttons_and_comes_back(desk):
-    dock = desk.dock
-    QApplication.setActiveWindow(dock.window())
-    buttons = [dock.preview, dock.test_shot, dock.capture, dock.export_plan]
-    dock.missions.setFocus()
-    visited = [dock.missions]
-    for _ in range(300):
-        QTest.keyClick(QApplication.focusWidget(), Qt.Key.Key_Tab)
-        widget = QApplication.focusWidget()
-        if widget is None or not dock.isAncestorOf(widget) or widget is dock.missions:
-            break
-        visited.append(widget)
-    places = [visited.index(button) for button in buttons]
-    assert places == sorted(places)
-    assert places[0] > visited.index(desk.form.source)
+def test_a_notice_does_not_come_back_when_a_later_one_goes(desk):
+    messages, bar = desk.session.messages, desk.iface.messageBar()
+    messages.warning("the first")
+    messages.info("of the same event")
+    desk.wait(lambda: not messages._event_over.isActive())
+    messages.warning("with a way on", action=("Go on", lambda: None))
+    desk.wait(lambda: not messages._event_over.isActive())
+    messages.info("the last")
+    # What offers something stays until it is answered.
+    assert sorted(desk.messages()) == ["the last", "with a way on"]
+    bar.popWidget()
+    assert desk.messages() == ["with a way on"]
+
+
+def test_figures_being_worked_out_look_it_and_old_problems_go_at_once(desk, held):
+    figures = desk.dock.figures
+    # Below what people notice.
+    assert figures._soon.interval() < 200
+    held.set()
+    desk.enter_small_mission()
+    desk.form.fov.setValue(180.0)
+    assert figures.line.text() == ""
+    assert figures.warnings.isVisibleTo(desk.dock)
+    held.clear()
+    desk.form.fov.setValue(78.0)
+    # Nothing of what was entered before stands as if it were of this.
+    assert not figures.warnings.isVisibleTo(desk.dock)
+    assert desk.message("fov_deg") == ""
+    assert "Working out" in figures.line.text()
+    desk.wait(figures.mark.isVisible)
+    held.set()
+    desk.wait_planned()
+    assert not figures.mark.isVisible()
+    assert "images" in figures.line.text()
+    assert figures.line.isEnabled()
+
+
+@pytest.mark.parametrize(("name", "value", "number"), [("airspeed_m_per_s", -1.0, 1), ("yaw_deg", 999.0, 3)])
+def test_the_link_leads_to_the_first_wrong_field(desk, name, value, number):
+    desk.enter_small_mission()
+    entry = next(group.entries[name] for group in desk.form.groups if name in group.entries)
+    entry.setValue(value)
+    desk.wait(lambda: bool(desk.message(name)))
+    desk.dock.figures.warnings.linkActivated.emit("wrong")
+    assert desk.form.pages.currentIndex() == number
+    desk.wait(entry.isVisible)
+    assert desk.dock.window().focusWidget() is entry
+    bar = desk.form.pages.tabBar()
+    colours = [bar.tabTextColor(at).name().upper() for at in range(bar.count())]
+    assert [at for at, colour in enumerate(colours) if colour == WRONG_COLOUR] == [number]
+
+
+def test_the_links_beside_the_size_do_what_they_say(desk):
+    desk.enter_small_mission()
+    desk.choose(desk.form.source, "esri-world-imagery")
+    desk.form.agl.setValue(30.0)
+    desk.wait_planned()
+    line = desk.dock.figures.line
+    assert "of\N{NO-BREAK SPACE}640" in line.text()
+    line.linkActivated.emit("source")
+    assert desk.form.pages.currentIndex() == 2
+    desk.wait(desk.form.source.isVisible)
+    line.linkActivated.emit("higher")
+    planned = desk.wait_planned()
+    assert planned.summary.width_px == pytest.approx(640, rel=0.01)
+    assert "of\N{NO-BREAK SPACE}640" not in line.text()
+    assert "<a " not in line.text()

@@ -106,7 +106,7 @@ def test_points_have_neither_coverage_nor_overlap():
 def test_what_matters_comes_first_and_the_rest_is_behind_the_fold():
     _, shown = readout_of(Mission(area=AREA, agl_m=300.0, overlap_along=0.6))
     assert [label for label, _ in shown.figures] == [
-        *("Images", "Coverage", "Overlap", "GSD", "Flight", "Download", "Time")
+        *("Images", "Coverage", "Overlap", "GSD", "Flight", "Time in the air", "Download", "Time")
     ]
     assert {"Image", "Tiles", "On disk", "Methods", "Error", "Terrain", "Cost"} <= dict(shown.details).keys()
     for table, lines in ((shown.figures_html(), shown.figures), (shown.details_html(), shown.details)):
@@ -151,12 +151,42 @@ def test_warnings_speak_of_entries_not_of_options():
     assert not any("--" in text for text in shown.warnings)
 
 
-def test_upsampling_is_offered_where_the_source_is_what_limits_a_picture():
+def test_the_size_of_the_images_is_that_of_the_source_where_it_is_coarser():
     near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
-    assert readout_of(near)[1].offers_upsampling
-    assert not readout_of(near.replace(upsample=True))[1].offers_upsampling
+    summary, shown = readout_of(near)
+    own = f"{100.0 * plan(near, mission_grid(near)).resolution.source_m_per_px:.4g} cm"
+    size = f"{summary.width_px} × {summary.height_px} px of 640 × 480: the source has {own}"
+    assert size in shown.line
+    assert summary.width_px < 640
+    assert shown.links == ("higher", "upsample", "source")
+    # At the height to which the link leads, images have the camera's size, to a pixel's rounding.
+    source_m = plan(near, mission_grid(near)).resolution.source_m_per_px
+    higher = near.replace(agl_m=near.flight.agl_m * source_m / summary.requested_gsd_m_per_px)
+    summary, shown = readout_of(higher)
+    assert summary.width_px == pytest.approx(640, rel=0.01)
+    assert f"{summary.width_px} × {summary.height_px} px" in shown.line
+    assert shown.links == ()
+    # Upsampled images have it, too.
+    summary, shown = readout_of(near.replace(upsample=True))
+    assert f"{summary.width_px} × {summary.height_px} px" in shown.line
+    assert shown.links == ()
     # From high up the camera is the limit.
-    assert not readout_of(near.replace(agl_m=2000.0))[1].offers_upsampling
+    assert readout_of(near.replace(agl_m=2000.0))[1].links == ()
+
+
+def test_the_figures_that_decide_are_a_line():
+    summary, shown = readout_of(Mission(area=AREA, agl_m=120.0))
+    assert shown.line == (
+        f"{summary.images:,} images",
+        "100 % covered",
+        f"GSD {100.0 * summary.delivered_gsd_m_per_px:.4g} cm",
+        f"{summary.width_px} × {summary.height_px} px",
+        f"{duration_text(summary.seconds)} to capture",
+    )
+    _, shown = readout_of(Mission(area=AREA, agl_m=120.0, layout="paper"))
+    assert "100 % covered" not in shown.line
+    _, shown = readout_of(Mission(area=AREA, agl_m=120.0, img_size=(224, 224, 3)))
+    assert any(part.startswith("224 × 224 px, resized from ") for part in shown.line)
 
 
 @pytest.mark.parametrize("option", sorted(options_in_messages()))

@@ -28,13 +28,13 @@ def choose_by_typing(desk, title):
 
 def test_one_map_type_of_a_source_is_ticked_and_the_former_choice_comes_back(desk, screenshot):
     desk.enter_box(**SMALL_BOX)
+    desk.show(desk.form.imagery)
     roadmap, satellite = desk.form.map_types["roadmap"], desk.form.map_types["satellite"]
     desk.click(desk.form.map_types["terrain"])
     choose_by_typing(desk, "OpenStreetMap")
     assert desk.session.state().map_types == ("roadmap",)
     assert desk.wait_planned() is not None
     assert desk.message("map_types") == ""
-    desk.dock.findChild(QScrollArea).ensureWidgetVisible(roadmap)
     screenshot("one-map-type", desk.dock)
     # Entering another area is no choice of map types.
     desk.type_text(desk.form.edges["north"], "35.142")
@@ -152,7 +152,7 @@ def test_new_project_begins_with_an_empty_area(desk, screenshot):
     empty = dict.fromkeys((*SMALL_BOX, "shape"), "")
     folder = str(desk.folder.with_name("mission-2"))
     assert desk.session.state() == replace(before, folder=folder, **empty)
-    desk.wait(lambda: "No area yet" in desk.dock.estimates.text())
+    desk.wait(lambda: "No area yet" in desk.dock.figures.line.text())
     assert drawn(desk) is None
     screenshot("new-project")
 
@@ -190,6 +190,7 @@ def test_ground_per_px_that_leads_near_the_ground_names_the_longer_side(desk, sc
     desk.enter_box(**SMALL_BOX)
     gsd = desk.form.camera_gsd
     hint = desk.form.flight.low
+    desk.show(hint)
     assert not hint.isVisible()
     type_number(gsd, "2")
     assert desk.form.agl.value() == pytest.approx(9.7, abs=0.2)

@@ -1,4 +1,4 @@
-"""Alt and the underlined letter: in QGIS's own window, beside its menus."""
+"""Alt and a letter: in QGIS's own window, beside its menus."""
 
 from __future__ import annotations
 
@@ -7,22 +7,7 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractButton, QApplication, QLabel, QMenu, QMenuBar, QPushButton, QWidget
-from terrainav.terrainav_plugin.widgets import mnemonic_key, remove_menu_mnemonics
-
-from tests.support.thinning import sampled
-
-#: Entries of the panel that have a letter: as many as there are letters that no menu has.
-IN_THE_PANEL = {
-    "Area from": "F",
-    "Draw box": "B",
-    "Camera": "A",
-    "Field of view": "I",
-    "Aspect ratio": "T",
-    "Image's longer side": "N",
-    "Height above ground": "U",
-    "GSD": "G",
-    "Layout": "Y",
-}
+from terrainav.terrainav_plugin.widgets import menu_keys, mnemonic_key, remove_menu_mnemonics
 
 
 def underlined(panel):
@@ -47,52 +32,101 @@ def window(desk, iface):
     window = iface.mainWindow()
     window.activateWindow()
     desk.wait(window.isActiveWindow)
-    for box in desk.form.boxes:
-        box.setCollapsed(False)
-    yield window
-    for box in desk.form.boxes:
-        box.setCollapsed(box in desk.form.sections)
+    return window
 
 
-def test_the_panel_has_the_letters_that_are_free(desk):
-    assert {widget.text().replace("&", ""): letter for letter, widget in underlined(desk.dock).items()} == IN_THE_PANEL
+def seen_keys(desk):
+    """Keys of what is seen, each with its target."""
+    return [(key, target) for target, key in desk.dock.letters.keys if target.part.isVisible()]
 
 
-@pytest.mark.parametrize("name", sampled(sorted(set(IN_THE_PANEL) - {"Draw box", "Area from"}), 3))
-def test_letter_goes_to_its_entry(desk, window, name):
-    label = underlined(desk.dock)[IN_THE_PANEL[name]]
-    # Groups that have just been unfolded are laid out a while later: before, their letters do nothing.
-    desk.wait(lambda: label.isVisible() and not label.size().isEmpty())
+@pytest.mark.parametrize("number", range(4))
+def test_every_button_and_entry_that_is_seen_has_a_letter_of_its_own(desk, window, number):
+    form, dock = desk.form, desk.dock
+    form.pages.setCurrentIndex(number)
+    page = form.pages.currentWidget()
+    for section in form.sections if number == 3 else [None]:
+        if section is not None:
+            for other in form.sections:
+                other.setCollapsed(other is not section)
+        desk.wait_steady(page.widget().height)
+        keys = [key for key, _ in seen_keys(desk)]
+        assert len(keys) == len(set(keys))
+        parts = {id(target.part) for _, target in seen_keys(desk)}
+        buttons = [
+            one
+            for one in dock.widget().findChildren(QAbstractButton)
+            # Parts of entries, and those with keys of their own.
+            if one.isVisible() and one.objectName() not in ("undo_area", "redo_area") and one.text() + one.toolTip()
+        ]
+        ours = [one for one in buttons if one.focusPolicy() & Qt.FocusPolicy.TabFocus]
+        assert [one.objectName() or one.text() for one in ours if id(one) not in parts] == []
+        labels = [one for one in page.findChildren(QLabel) if one.isVisible() and one.buddy() is not None]
+        # Those of ticks lead to the first tick, which has a letter.
+        nameless = {one.text() for one in labels if id(one) not in parts}
+        assert nameless <= {"Map types", "Products"}
+    for section in form.sections:
+        section.setCollapsed(True)
+
+
+def test_letters_lead_to_their_entries_also_those_of_menus(desk, window):
+    form = desk.form
+    form.pages.setCurrentIndex(1)
+    desk.wait_steady(form.pages.currentWidget().widget().height)
+    menus = menu_keys(window.menuBar())
+    labels = {
+        target.text.replace("&", ""): (key, target)
+        for key, target in seen_keys(desk)
+        if isinstance(target.part, QLabel) and form.flight.isAncestorOf(target.part)
+    }
+    assert {"GSD", "Overlap", "Layout", "Height above ground", "Airspeed"} <= set(labels)
+    before = desk.session.state()
+    for key, target in labels.values():
+        form.camera.setFocus()
+        desk.wait(form.camera.hasFocus)
+        press_alt(window, key)
+        there = QApplication.focusWidget()
+        assert target.part.buddy().isAncestorOf(there) or target.part.buddy() is there
+        # What has the keyboard takes it: a number or a choice, and no mere holder.
+        assert there.focusPolicy() & Qt.FocusPolicy.TabFocus
+        assert there.focusProxy() is None
+        assert QApplication.activePopupWidget() is None
+    # No letter was typed.
+    assert desk.session.state() == before
+    assert {key for key, _ in labels.values()} & menus
+
+
+def test_letters_open_tabs_and_press_buttons(desk, window):
+    tabs = {target.text: key for key, target in seen_keys(desk) if target.part is desk.form.pages.tabBar()}
     desk.form.edges["north"].setFocus()
     desk.wait(desk.form.edges["north"].hasFocus)
-    press_alt(window, IN_THE_PANEL[name])
-    desk.wait(lambda: QApplication.focusWidget() not in (None, desk.form.edges["north"]))
-    there = QApplication.focusWidget()
-    assert QApplication.activePopupWidget() is None
-    assert label.buddy().isAncestorOf(there)
-    # What has the keyboard takes it: a number or a choice, and no mere holder.
-    assert there.focusPolicy() & Qt.FocusPolicy.TabFocus
-    assert there.focusProxy() is None
-
-
-def test_letter_presses_its_button(desk, ground, window):
-    desk.form.edges["north"].setFocus()
-    desk.wait(desk.form.edges["north"].hasFocus)
-    press_alt(window, IN_THE_PANEL["Draw box"])
+    press_alt(window, tabs["Imagery"])
+    assert desk.form.pages.currentIndex() == 2
+    press_alt(window, tabs["Area"])
+    assert desk.form.pages.currentIndex() == 0
+    keys = {target.part: key for key, target in seen_keys(desk)}
+    press_alt(window, keys[desk.form.draw_box])
     desk.wait(desk.session.box_tool.isActive)
     desk.session.box_tool.stop()
+    desk.form.edges["north"].setFocus()
+    press_alt(window, keys[desk.dock.capture])
+    desk.wait(lambda: any("Nothing to capture yet" in text for text in desk.messages()))
 
 
-def test_letters_of_menus_still_open_them(desk, window, iface):
-    menus = iface.mainWindow().menuBar()
-    taken = {mnemonic_key(action.text()) for action in menus.actions() if action.isVisible()}
+def test_letters_of_menus_still_open_them(desk, window):
+    taken = menu_keys(window.menuBar())
     assert taken
-    assert not taken & {f"Alt+{letter}" for letter in underlined(desk.dock)}
+    shown = [*desk.dock.findChildren(QLabel), *desk.dock.findChildren(QAbstractButton)]
+    for part in shown:
+        # A label's letter is the text's; a button's can be taken off.
+        text = part.shortcut().toString() if isinstance(part, QAbstractButton) else mnemonic_key(part.text())
+        assert text.rpartition("+")[2] not in taken, part.text()
+    bar = desk.form.pages.tabBar()
+    assert not taken & {mnemonic_key(bar.tabText(number)).rpartition("+")[2] for number in range(bar.count())}
 
 
 def test_other_panels_have_free_letters_too(desk, iface):
-    menus = iface.mainWindow().menuBar()
-    taken = {mnemonic_key(action.text()).rpartition("+")[2] for action in menus.actions() if action.isVisible()}
+    taken = menu_keys(iface.mainWindow().menuBar())
     desk.session.datasets.open()
     panel = desk.session.datasets.window
     try:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from qgis.core import QgsProject, QgsVectorLayer
+from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import QDate, QDateTime, QEvent, QLocale, Qt, QTime
 from qgis.PyQt.QtGui import QFocusEvent
 from qgis.PyQt.QtTest import QTest
-from qgis.PyQt.QtWidgets import QApplication, QGroupBox, QScrollArea
+from qgis.PyQt.QtWidgets import QApplication, QGroupBox
 from terrainav.core.mission.parts import Flight
 from terrainav.core.mission.presets import PRESETS
 from terrainav.core.mission.settings import build_mission, resolve
@@ -22,6 +24,13 @@ from tests.support.thinning import sampled
 BOX = "_".join(SMALL_BOX[edge] for edge in ("north", "west", "south", "east")) + "_120"
 #: A small screen, and what QGIS's own menu, toolbars, title and status bar take of it.
 SMALL_PX = (1280, 720)
+
+
+def fold_all(desk, folded):
+    """Fold or unfold the groups of each tab."""
+    for box in desk.form.boxes:
+        desk.show(box)
+        box.setCollapsed(folded)
 
 
 def choose_preset(desk, name):
@@ -38,8 +47,7 @@ def test_panel_and_command_make_the_same_of_a_preset(desk, preset):
     of_command = build_mission(resolve({"coords": BOX, "preset": preset.name}, {}, None))
     assert mission_form.mission(desk.session.state()) == of_command
     assert desk.form.presets.preset == preset
-    assert desk.form.presets.note.text() == f"{preset.note}."
-    assert desk.form.presets.note.isVisibleTo(desk.dock)
+    assert desk.form.presets.choice.toolTip().startswith(f"{preset.note}.")
 
 
 def test_values_of_a_preset_are_open_to_change_and_then_custom(desk):
@@ -54,7 +62,7 @@ def test_values_of_a_preset_are_open_to_change_and_then_custom(desk):
     )
     desk.form.overlap_along.setValue(80.0)
     assert desk.form.presets.choice.currentText() == "Custom"
-    assert not desk.form.presets.note.isVisibleTo(desk.dock)
+    assert desk.form.presets.choice.toolTip().startswith("Fills in")
     assert desk.session.state().image_format == "jpg"
     # From values of one's own, the next preset begins with them.
     choose_preset(desk, "learning")
@@ -74,24 +82,24 @@ def test_a_folded_group_says_what_it_holds(desk, screenshot):
     desk.enter_small_mission()
     form = desk.form
     form.set_state(replace(form.state(), fov_deg=65.0, overlap_along=0.75, overlap_across=0.65, aspect="3:2"))
-    for box in form.boxes:
-        box.setCollapsed(False)
+    fold_all(desk, False)
     assert [QGroupBox.title(box) for box in (form.camera_group, form.flight, form.wind)] == [
         "Camera",
         "Flight",
         "Wind",
     ]
-    for box in form.boxes:
-        box.setCollapsed(True)
+    fold_all(desk, True)
     assert QGroupBox.title(form.camera_group) == "Camera: 65°, 3:2"
     assert QGroupBox.title(form.flight) == "Flight: 120 m, overlap 75/65 %"
     assert QGroupBox.title(form.wind) == "Wind: off"
     assert QGroupBox.title(form.imagery) == "Imagery: Synthetic (offline)"
+    desk.show(form.flight)
     assert form.flight.toolTip() == "Flight: 120 m, overlap 75/65 %"
     assert "Gusts" in form.wind.toolTip()
     assert QGroupBox.title(form.route) == "Flight path: first to last capture"
     # Every group says something.
     assert [box.objectName() for box in form.boxes if ": " not in QGroupBox.title(box)] == []
+    desk.show(form.route)
     screenshot("headings", desk.dock)
     route = {"takeoff": "35.13, -89.86", "turnaround_m": 20.0, "battery_min": 25.0, "trigger": "hover"}
     form.set_state(replace(form.state(), **route))
@@ -111,39 +119,97 @@ def test_a_folded_group_says_what_it_holds(desk, screenshot):
     assert form.attitude.toolTip() == "Attitude, ground and time: straight down, 2024-06-21T10:30:00Z"
 
 
-def test_the_panel_fits_a_small_screen_without_a_horizontal_bar(desk, iface, screenshot):
+@pytest.fixture
+def small(desk, iface):
+    """QGIS on a small screen, with an area drawn over imagery."""
     window = iface.mainWindow()
     before = window.size()
     desk.enter_small_mission()
-    try:
-        window.resize(*SMALL_PX)
-        for box in desk.form.boxes:
-            box.setCollapsed(False)
-        QTest.qWait(50)
-        screenshot("small-screen", window)
-        # Unfolding shows nothing that is to be hidden.
-        assert not desk.form.area.no_fly_words.isVisible()
-        assert (window.width(), window.height()) == SMALL_PX
-        form = desk.form
-        for box in form.boxes:
+    for box in desk.form.boxes:
+        desk.show(box)
+        box.setCollapsed(box in desk.form.sections)
+    desk.form.pages.setCurrentIndex(0)
+    QgsProject.instance().addMapLayer(QgsVectorLayer("Point?crs=EPSG:4326", "imagery", "memory"))
+    window.resize(*SMALL_PX)
+    window.resizeDocks([desk.dock], [desk.dock.minimumSizeHint().width()], Qt.Orientation.Horizontal)
+    desk.wait_steady(lambda: (desk.dock.width(), desk.dock.height()))
+    yield desk
+    window.resize(before)
+    for box in desk.form.boxes:
+        desk.show(box)
+        box.setCollapsed(box in desk.form.sections)
+    desk.form.pages.setCurrentIndex(0)
+
+
+def test_settings_have_most_of_a_small_screen_and_need_few_of_them(small, iface, screenshot):
+    assert (iface.mainWindow().width(), iface.mainWindow().height()) == SMALL_PX
+    form, dock = small.form, small.dock
+    screens = 0
+    # The way from the area to the button: all tabs but the last, of less common entries.
+    for page in form.pages.pages()[:-1]:
+        form.pages.setCurrentWidget(page)
+        small.wait_steady(page.viewport().height)
+        screenshot(f"small-screen-{form.pages.currentIndex()}", iface.mainWindow())
+        assert page.viewport().height() >= 0.6 * dock.widget().height()
+        screens += -(-page.widget().height() // page.viewport().height())
+    assert screens <= 3
+    # QGIS's window does not grow beyond the screen for it.
+    assert dock.minimumSizeHint().height() < 250
+
+
+def test_nothing_is_cut_at_the_least_width(small):
+    form, dock = small.form, small.dock
+    fold_all(small, False)
+    for page in form.pages.pages():
+        form.pages.setCurrentWidget(page)
+        small.wait_steady(page.widget().height)
+        assert page.widget().width() <= page.viewport().width()
+        for box in page.findChildren(QgsCollapsibleGroupBoxBasic):
             assert box.width() >= box.minimumSizeHint().width(), box.objectName()
-            assert form.width() >= box.geometry().right(), box.objectName()
-        for part in (desk.dock.preview, desk.dock.capture, desk.dock.figures):
-            shown = part.mapTo(desk.dock, part.rect().bottomRight())
-            assert desk.dock.rect().contains(shown), part.objectName()
+    # Unfolding shows nothing that is to be hidden.
+    assert not form.area.no_fly_words.isVisible()
+    bar = form.pages.tabBar()
+    assert sum(bar.tabRect(number).width() for number in range(bar.count())) <= form.pages.width()
+    for part in (dock.missions, dock.help, dock.preview, dock.test_shot, dock.capture, dock.export_plan):
+        assert dock.rect().contains(part.mapTo(dock, part.rect().bottomRight())), part.objectName()
+        assert part.width() >= part.minimumSizeHint().width(), part.objectName()
+    # The button that is used most is the widest.
+    assert dock.capture.width() >= max(part.width() for part in (dock.preview, dock.test_shot, dock.export_plan))
+
+
+def test_large_letters_scroll_and_stay_whole(small, screenshot):
+    form, dock = small.form, small.dock
+    points = 2.0 * dock.font().pointSizeF()
+    try:
+        dock.setStyleSheet(f"* {{ font-size: {points}pt; }}")
+        small.wait_steady(lambda: (dock.width(), form.pages.currentWidget().widget().height()))
+        for page in form.pages.pages():
+            form.pages.setCurrentWidget(page)
+            small.wait_steady(page.widget().height)
+            screenshot(f"large-letters-{form.pages.currentIndex()}", dock)
+            assert page.widget().width() <= page.viewport().width()
+            assert page.viewport().height() >= 3 * form.agl.fontMetrics().lineSpacing()
+        for part in (dock.preview, dock.test_shot, dock.capture, dock.export_plan):
+            assert part.width() >= part.minimumSizeHint().width(), part.objectName()
     finally:
-        window.resize(before)
-        for box in desk.form.boxes:
-            box.setCollapsed(box in desk.form.sections)
+        dock.setStyleSheet("")
+        small.wait_steady(dock.width)
+
+
+def test_warnings_leave_the_settings_their_room(small):
+    small.dock.figures.show_problem("What is wrong is said at length. " * 40)
+    small.wait_steady(small.form.pages.height)
+    page = small.form.pages.currentWidget()
+    assert page.viewport().height() >= 0.6 * small.dock.widget().height()
 
 
 def test_edges_that_are_cut_are_whole_in_their_tooltips(desk, screenshot):
     whole = {"north": "35.1454915269515", "west": "-123.4567891", "south": "35.1", "east": "-123.4"}
-    desk.enter_box(**whole)
+    # It is shown to a centimetre.
+    desk.form.set_state(replace(desk.session.state(), **whole))
     QTest.qWait(50)
     screenshot("edges", desk.dock)
     edges = desk.form.area.edges
-    # It is shown to a centimetre.
     assert edges["north"].toolTip().startswith(f"{whole['north']}\n")
     assert edges["south"].toolTip().startswith("Southern edge")
     # Who leaves it sees its first digits.
@@ -163,6 +229,7 @@ def test_edges_that_are_cut_are_whole_in_their_tooltips(desk, screenshot):
 
 def test_a_start_that_is_taken_back_is_not_set(desk, screenshot):
     form = desk.form
+    desk.show(form.attitude)
     form.attitude.setCollapsed(False)
     entry = form.attitude.entries["start"]
     assert entry.edit.lineEdit().text() == "not set"
@@ -173,27 +240,8 @@ def test_a_start_that_is_taken_back_is_not_set(desk, screenshot):
     assert entry.edit.lineEdit().text() == "not set"
     assert entry.text() == Flight.start
     QTest.qWait(50)
-    desk.dock.findChild(QScrollArea).ensureWidgetVisible(entry)
+    desk.form.pages.show_field(entry)
     screenshot("start-not-set", desk.dock)
-
-
-def test_a_border_that_is_moved_stays_until_it_is_freed(desk):
-    parts = desk.dock.parts
-    desk.enter_small_mission()
-    QTest.qWait(50)
-    of_itself = parts.sizes()
-    handle = parts.handle(1)
-    # What a drag of the border does.
-    parts.moveSplitter(parts.height() // 4, 1)
-    moved = parts.sizes()
-    assert moved[1] > of_itself[1]
-    # Other figures do not move it.
-    desk.form.overlap_along.setValue(50.0)
-    desk.wait_planned()
-    QTest.qWait(50)
-    assert parts.sizes() == moved
-    QTest.mouseDClick(handle, Qt.MouseButton.LeftButton)
-    assert parts.sizes()[1] < moved[1]
 
 
 @pytest.mark.thorough
@@ -203,14 +251,18 @@ def test_finished_captures_are_cleared_and_their_files_kept(desk):
     desk.session.capture()
     desk.wait(lambda: bool(desk.session.runs.runs))
     runs = desk.dock.run_list
-    assert not runs.clear.isEnabled()
     desk.wait_for_run()
     (row,) = runs.rows
+    # A single row is removed by its own button.
+    assert not runs.clear.isVisible()
     # One line: name and words side by side.
     assert row.title.geometry().center().y() == pytest.approx(row.text.geometry().center().y(), abs=2)
     assert row.height() < 3 * row.fontMetrics().height()
     assert "images captured" in row.text.toolTip()
     assert row.buttons["dismiss"].toolTip() == "Remove from list (files are kept)"
+    desk.session.capture()
+    desk.wait(lambda: len(desk.session.runs.runs) == 2)
+    desk.wait_for_run()
     desk.click(runs.clear)
     assert runs.rows == []
     assert not runs.isVisible()

@@ -58,6 +58,7 @@ def test_the_panel_says_what_a_pilot_needs(routed):
 def test_a_folded_group_shows_its_whole_title(desk):
     route = desk.form.route
     desk.session.show_dock(True)
+    desk.show(route)
     route.setCollapsed(False)
     assert route.minimumHeight() == 0
     route.setCollapsed(True)

@@ -130,7 +130,7 @@ def test_cameras_face_what_is_chosen(desk):
 def test_a_margin_is_flown(desk):
     desk.enter_small_mission()
     plain = desk.wait_planned().summary.images
-    type_number(desk.form.flight.entries["margin_m"], "150")
+    type_number(desk.form.route.entries["margin_m"], "150")
     made = desk.wait_planned()
     assert made.mission.flight.margin_m == 150.0
     assert made.summary.images > plain

@@ -378,11 +378,11 @@ def test_file_is_a_source(source_list, tmp_path, monkeypatch):
 def test_dates_are_checked_at_their_field(source_list):
     desk = source_list
     desk.choose(desk.form.source, "osm")
-    assert not desk.form.date.isVisibleTo(desk.dock)
+    assert not desk.form.date.isVisibleTo(desk.form.imagery)
     desk.enter_small_mission()
     desk.form.agl.setValue(50_000.0)
     desk.choose(desk.form.source, "nasa-gibs")
-    assert desk.form.date.isVisibleTo(desk.dock)
+    assert desk.form.date.isVisibleTo(desk.form.imagery)
     assert desk.form.date.placeholderText()
     desk.type_text(desk.form.date, "yesterday")
     desk.wait(lambda: "YYYY-MM-DD" in desk.message("date"))

@@ -169,7 +169,7 @@ def test_key_of_an_own_source_is_used_and_found_nowhere(desk, tmp_path, configur
         desk.session.source_list.refresh()
         desk.choose(desk.form.source, "keyed")
         desk.enter_coarse_mission()
-        assert desk.form.key.isVisibleTo(desk.dock)
+        assert desk.form.key.isVisibleTo(desk.form.imagery)
         # Without a key no run begins, and the field says so.
         desk.click(desk.dock.capture)
         desk.wait(lambda: "API key" in desk.message("key"))
@@ -228,7 +228,7 @@ def test_xyz_connection_of_qgis_is_a_source(desk, tmp_path, configured, tiles, h
     desk.choose(desk.form.source, "qgis:xyz/My tiles")
     assert "check them yourself" in desk.form.imagery.limits.text()
     assert "zoom 3 to 17" in desk.form.imagery.limits.text()
-    assert not desk.form.key.isVisibleTo(desk.dock)
+    assert not desk.form.key.isVisibleTo(desk.form.imagery)
     desk.enter_small_mission()
     assert desk.session.planned.plan.zoom == 17
     desk.form.source.showPopup()

@@ -113,6 +113,8 @@ def texts_of(root: QWidget):
 
 def lines_of(text):
     """Lines of a text, of HTML those between its tags, without the marks of keys."""
+    # Letters are underlined, or named after a tip.
+    text = re.sub(r"</?u>| \(Alt\+\w\)", "", text)
     for line in _TAG.split(text) if "<" in text else [text]:
         plain = re.sub(r"&(?=\w)", "", html.unescape(line)).strip()
         if plain:

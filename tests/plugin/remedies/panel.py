@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 
 import pytest
@@ -236,6 +237,22 @@ def _marked(case: Case) -> None:
         return desk.wait_planned() is not None and bool(desk.dock.estimates.text())
 
     case.follow("Fix the highlighted fields.", mend)
+
+
+@remedy("panel/figures.py", "fly higher")
+def _coarser_source(case: Case) -> None:
+    desk = case.fixture("desk")
+    desk.enter_small_mission()
+    desk.choose(desk.form.source, "esri-world-imagery")
+    desk.form.agl.setValue(30.0)
+    desk.wait_planned()
+    case.says(re.sub("<[^>]*>", "\n", desk.dock.figures.line.text()))
+
+    def follow():
+        desk.dock.figures.line.linkActivated.emit("higher")
+        return desk.wait_planned().summary.width_px > 630
+
+    case.follow("fly higher", follow)
 
 
 @remedy("panel/options_page.py", "{folder}: {file} is a file; choose a folder")
