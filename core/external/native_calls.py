@@ -63,16 +63,23 @@ def forget_signals() -> None:
 
 
 class NativeThread:
-    """A thread for calls, made one after the other; `close` ends it."""
+    """A thread for calls, made one after the other; `close` ends it.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    keeps_contexts : bool
+        Whether calls may enter `thread_contexts` that stay for later ones.
+    """
+
+    def __init__(self, *, keeps_contexts: bool = True) -> None:
+        self._keeps_contexts = keeps_contexts
         self._thread: _Thread | None = None
 
     def make(self, call: Callable[[], None]) -> None:
         """Make a call after the earlier ones."""
         # A process that was forked has none.
         if self._thread is None or not self._thread.is_alive():
-            self._thread = _Thread()
+            self._thread = _Thread(keeps_contexts=self._keeps_contexts)
             self._thread.start()
         self._thread.calls.put(call)
 
@@ -86,7 +93,7 @@ class NativeThread:
 
 
 def thread_contexts() -> ExitStack | None:
-    """Contexts of the current thread, left at its end; None if it is not one for native calls."""
+    """Contexts of the current thread, left at its end; None if it is not one that keeps them."""
     contexts: ExitStack | None = getattr(_local, "contexts", None)
     return contexts
 
@@ -122,7 +129,7 @@ class NativeCall(Generic[Result]):
         _register_end()
         # Set this before the thread starts, as a signal may interrupt the start.
         self._has_begun = True
-        thread = self._thread or NativeThread()
+        thread = self._thread or NativeThread(keeps_contexts=False)
         thread.make(self._run)
         if self._thread is None:
             thread.close()
@@ -156,12 +163,15 @@ class NativeCall(Generic[Result]):
 class _Thread(threading.Thread):
     """A daemon thread, for which Python does not wait at exit; makes the calls put in its queue until there is None."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, keeps_contexts: bool) -> None:
         super().__init__(name="terrainav-native", daemon=True)
+        self._keeps_contexts = keeps_contexts
         self.calls: Queue[Callable[[], None] | None] = Queue()
 
     def run(self) -> None:
-        with ExitStack() as _local.contexts:
+        with ExitStack() as contexts:
+            if self._keeps_contexts:
+                _local.contexts = contexts
             while (call := self.calls.get()) is not None:
                 call()
                 self.calls.task_done()

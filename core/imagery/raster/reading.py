@@ -41,7 +41,7 @@ _WHITE_IS_ZERO = ("MINISWHITE", "IMAGE_STRUCTURE")
 _INTERLEAVE, _BY_PIXEL = ("INTERLEAVE", "IMAGE_STRUCTURE"), "PIXEL"
 #: Formats that GDAL decodes as a whole, although it reports smaller blocks.
 _WHOLE = frozenset(["WEBP", "JPEGXL"])
-#: Options of the environment that a thread has entered.
+#: Options of the environment that a thread keeps.
 _entered = threading.local()
 
 
@@ -385,19 +385,20 @@ def _raised_errors(options: Options) -> Iterator[None]:
 
 
 def _environment(options: Options) -> AbstractContextManager[object]:
-    """Rasterio's environment; entered once in a thread for native calls, as that takes as long as a small window."""
+    """Rasterio's environment; kept in the thread of a file, as entering it takes as long as reading a small window."""
     import rasterio
     from rasterio.session import DummySession
 
-    contexts = thread_contexts()
-    if contexts is not None and getattr(_entered, "options", None) is options:
+    contexts, entered = thread_contexts(), getattr(_entered, "options", None)
+    if entered is options:
         return nullcontext()
     # If S3 keys are in the environment, rasterio would create a boto3 session each time, which takes as long as several
     # tiles. A DummySession avoids this, and GDAL finds the keys itself.
     made: AbstractContextManager[object] = rasterio.Env(
         DummySession(), **{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}
     )
-    if contexts is None:
+    # Options for other files, which may allow more, must not stay.
+    if contexts is None or entered is not None:
         return made
     contexts.enter_context(made)
     _entered.options = options

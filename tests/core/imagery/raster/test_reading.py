@@ -7,6 +7,7 @@ import re
 import struct
 import subprocess
 import sys
+import zipfile
 from contextlib import closing, contextmanager
 
 import numpy as np
@@ -16,6 +17,7 @@ gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by
 
 from terrainav.core.errors import Cancelled, InvalidInput, PartError, SourceError, TerrAInavError  # noqa: E402
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E402
+from terrainav.core.imagery.raster import reading  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
 from terrainav.core.imagery.raster.reading import (  # noqa: E402
     GdalFile,
@@ -502,3 +504,28 @@ def test_keys_of_s3_in_the_environment_cost_a_tile_nothing(values, tmp_path, lib
     path = rasters.write(tmp_path / "r.tif", values[:3], ON_GRID, 3857)
     assert np.array_equal(fetched(path), np.moveaxis(values[:3], 0, 2))
     assert not sessions
+
+
+def test_options_to_check_a_file_have_ended_when_it_is_opened(tmp_path, monkeypatch):
+    """Only the bytes of the file may be read through a VRT of raw bytes, of the raster and of its overviews."""
+    rasterio = pytest.importorskip("rasterio")
+    from rasterio.env import get_gdal_config
+
+    path = rasters.write(tmp_path / "r.tif", np.zeros((1, 600, 600), np.uint8), ON_GRID, 3857)
+    gdal.Open(str(path), gdal.GA_Update).BuildOverviews("NEAREST", [2])
+    with zipfile.ZipFile(tmp_path / "r.zip", "w") as packed:
+        packed.write(path, "r.tif")
+    name, allowed = f"/vsizip/{tmp_path / 'r.zip'}/r.tif", []
+    reader = rasterio.DatasetReader
+
+    def opened(path, **options):
+        allowed.append((path == name, get_gdal_config("GDAL_VRT_RAWRASTERBAND_ALLOWED_SOURCE")))
+        return reader(path, **options)
+
+    monkeypatch.setattr(rasterio, "DatasetReader", opened)
+    pool = reading.Pool(RasterioFile, name)
+    with pool.lent(0) as file:
+        assert len(file.facts().sizes) == 2
+        file.read([1], reading.PixelBox(0, 0, 9, 9))
+    pool.close()
+    assert allowed == [(False, "ALL"), (True, None)] * 2
