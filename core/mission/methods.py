@@ -27,7 +27,7 @@ from .layout.framing import (
     ground_ellipsoid,
 )
 from .layout.rotated import is_rotated
-from .layout.rows import point_angles_deg
+from .layout.rows import point_angles_deg, turns_at_random
 from .mission import Mission
 from .parts import NORTH, RAYS
 from .relief.ground import Relief
@@ -315,6 +315,8 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
         return Message("the rows are turned from east, and the camera with them")
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
         return Message("wind turns the camera")
+    if turns_at_random(mission):
+        return Message("images are turned at random")
     return accuracy.outside_flat_domain(_extreme_geometry(mission), None if grid.plane.wraps else 0.0)
 
 

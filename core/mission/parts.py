@@ -241,6 +241,13 @@ class Attitude(CheckedFields):
         most=180.0,
         advanced=True,
     )
+    random_yaw: bool = declared(
+        False,
+        title="random yaw",
+        help="each image of an area has a yaw at random, by the seed, and rows along parallels are as close as that "
+        "takes; not for tilted cameras, nor for points, which state their yaws",
+        advanced=True,
+    )
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from .layout.coverage import Coverage, ImageryShare, Overlap, Rectangles, covera
 from .layout.frames import Frames
 from .layout.framing import ground_ellipsoid, nominal_poses
 from .layout.rotated import Pass, plane_share, rotated_coverage, rotated_overlap
-from .layout.rows import Layout, sees_below
+from .layout.rows import Layout, sees_below, turns_at_random
 from .methods import ChosenMethods, choose_methods
 from .mission import Mission
 from .relief.ground import Flown, Heights, Relief, level_ground
@@ -305,6 +305,14 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
             remedy="choose one of them as the source",
             field="imageries",
         )
+    attitude = mission.attitude
+    if turns_at_random(mission) and (attitude.tilt_deg or attitude.roll_deg):
+        raise InvalidInput(
+            "random yaw with a tilt of {0:g} and a roll of {1:g} deg: must look straight down",
+            attitude.tilt_deg,
+            attitude.roll_deg,
+            field="random_yaw",
+        )
     check_area(mission.area)
     check_polygons(mission.no_fly, Message("no-fly areas"), "no_fly")
     levelled, relief = _relief_below(mission, heights)
@@ -364,7 +372,7 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     interval_s = (
         np.diff(stated) if stated is not None else intervals_s(flown_legs, layout.agl_m, airspeed, mission.wind)
     )
-    motion = fly(mission.wind, airspeed, interval_s, flown_legs.headings_deg(), layout.agl_m, layout.yaw_deg)
+    motion = fly(mission.wind, airspeed, interval_s, flown_legs.headings_deg(), layout.agl_m, nominal.yaw_deg)
     lat, ground = nominal.lat_deg, ground_ellipsoid(mission)
     north = np.degrees(motion.north_m / ground.meridional_radius_m(lat))
     east = np.degrees(motion.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))

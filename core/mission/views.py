@@ -20,6 +20,7 @@ from ..geodesy.mercator import PixelGrid, wrap_lon_deg
 from ..geodesy.view import View, view
 from .layout.frames import Frames, Runs, sampled_zooms
 from .layout.rotated import Pass
+from .layout.rows import turns_at_random
 from .methods import COARSEST_MESH_PX
 from .mission import Mission
 from .relief.ground import Relief
@@ -173,7 +174,7 @@ class CameraViews:
         """
         first, _ = self._runs
         # In still air, views of rotated rows differ only by convergence and latitude, so that fewer suffice.
-        most = 60 if passes and self.mission.wind is None else 500
+        most = 60 if passes and self.mission.wind is None and not turns_at_random(self.mission) else 500
         starts, count = first, len(self.poses.lat_deg)
         if len(first) > most:
             starts = np.arange(0, count, -(-count // most))

@@ -12560,6 +12560,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <source>images are turned at random</source>
+        <translation>las imágenes están giradas al azar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
         <source>infinite (horizon)</source>
         <translation>infinito (horizonte)</translation>
     </message>
@@ -13166,6 +13171,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>each image of an area has a yaw at random, by the seed, and rows along parallels are as close as that takes; not for tilted cameras, nor for points, which state their yaws</source>
+        <translation>cada imagen de un área tiene una guiñada al azar, según la semilla, y las filas a lo largo de paralelos están tan juntas como haga falta; no para cámaras inclinadas ni para puntos, que indican sus guiñadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>elevation</source>
         <translation>elevación</translation>
     </message>
@@ -13508,6 +13518,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>random yaw</source>
+        <translation>guiñada al azar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>reference of the heights: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; by default the one that the source states, otherwise the ellipsoid</source>
         <translation>desde dónde cuentan las alturas: ellipsoid, EGM96, EGM2008 o el código de un sistema vertical como EPSG:5773; si se omite, lo que indique la fuente, y el elipsoide donde no indique nada</translation>
     </message>
@@ -13731,6 +13746,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/plan.py"/>
         <source>no-fly areas</source>
         <translation>zonas de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>random yaw with a tilt of {0:g} and a roll of {1:g} deg: must look straight down</source>
+        <translation>guiñada al azar con una inclinación de {0:g} y un alabeo de {1:g} grados: debe mirar recto hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>

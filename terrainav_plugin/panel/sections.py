@@ -174,7 +174,7 @@ class AttitudeSection(Section):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("attitude", tr("Attitude, ground and time"), marks)
-        for name in ("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m"):
+        for name in ("yaw_deg", "random_yaw", "tilt_deg", "roll_deg", "ground_height_m"):
             self.add_declared(name)
         self.add_declared("start", StartEntry(field_tip(DECLARED["start"])))
 

@@ -39,7 +39,16 @@ from .no_fly import remove_no_fly
 from .parallels import lay_out
 from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, bounds_with_margin, lay_out_points, point_angles_deg, row_yaws_deg, sees_below
+from .rows import (
+    Layout,
+    bounds_with_margin,
+    lay_out_points,
+    point_angles_deg,
+    random_yaws_deg,
+    row_yaws_deg,
+    sees_below,
+    turns_at_random,
+)
 
 #: Computes the flown poses of captures from their layout and nominal poses.
 Disturbed = Callable[[Layout, Poses], Poses]
@@ -126,7 +135,8 @@ def framed(
     if flown is not None:
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
-    share_frames = passes and framing.resamples and grid.plane.wraps and mission.wind is None and flown is None
+    is_steady = mission.wind is None and flown is None and not turns_at_random(mission)
+    share_frames = passes and framing.resamples and grid.plane.wraps and is_steady
     windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if share_frames else None)
     frames = framing.frames(relief.lone(layout, flown), windows, poses)
     return Framed(layout, poses, zoom, windows, frames, passes, flown, parts, lost)
@@ -369,7 +379,8 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
             np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
             for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
         )
-    return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
+    yaw = random_yaws_deg(mission, len(layout.lat_deg)) if turns_at_random(mission) else layout.yaw_deg
+    return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, yaw, tilt, roll)
 
 
 def select_columns(values: Floats, column: Numbers) -> Floats:

@@ -16,6 +16,7 @@ from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ..areas.area import Area, Box, Points, Polygon, touching
 from ..flight.legs import legs
+from ..flight.motion import uniform
 from ..mission import Mission
 from ..parts import EASTWARD_DEG, NORTH, ONE_WAY, TRACK
 
@@ -108,14 +109,28 @@ def _headings_deg(area: Points) -> Floats:
 
 
 def row_yaws_deg(mission: Mission) -> tuple[float, ...]:
-    """Yaws of rows along parallels: of rows flown east and, if it differs, of rows flown west."""
+    """Yaws of rows along parallels: of rows flown east and, if it differs, of rows flown west; or yaws all around."""
     yaw, faced = mission.attitude.yaw_deg, mission.flight.faced_deg
+    if turns_at_random(mission):
+        # Images cover what all of these have in common.
+        return tuple(_wrapped(turn * 15.0) for turn in range(24))
     if mission.flight.facing == NORTH:
         return (yaw,)
     if faced is not None:
         return (_wrapped(faced + yaw),)
     tracks = (EASTWARD_DEG, -EASTWARD_DEG)[: 1 + mission.flight.alternates_facing]
     return tuple(_wrapped(track + yaw) for track in tracks)
+
+
+def turns_at_random(mission: Mission) -> bool:
+    """Whether each image has a yaw at random."""
+    return mission.attitude.random_yaw and mission.area.covers_ground
+
+
+def random_yaws_deg(mission: Mission, count: int) -> Floats:
+    """Yaws of images (count,) in flight order, uniform in [-180, 180): the same on every machine."""
+    yaws: Floats = 360.0 * uniform(np.random.PCG64(np.random.SeedSequence(mission.imagery.seed)), count) - 180.0
+    return yaws
 
 
 def _wrapped(angle_deg: float) -> float:
