@@ -222,22 +222,16 @@ class Summary:
         if self.path_m is not None and self.path_s is not None:
             path = Message("{0}, {1} with turns", length_text(self.path_m), duration_text(self.path_s))
             lines.append((Message("flight path"), path))
-        else:
-            lines += self._airborne_lines()
         return [*lines, *self.piloting()]
 
-    def _airborne_lines(self) -> list[tuple[Message, Message]]:
-        if self.airborne_s is None or self.batteries is None:
-            return []
-        return [(Message("time in the air"), airborne_text(self.airborne_s, self.batteries, self.drone))]
-
     def piloting(self) -> list[tuple[Message, Message]]:
-        """Labels and values of the greatest speed, the time in the air with a route, sorties and sun, if known."""
+        """Labels and values of the greatest speed, the time in the air, sorties and sun, if known."""
         lines = []
         if self.speed_limits is not None and self.speed_limits.least_m_per_s is not None:
             lines.append((Message("greatest speed"), self.speed_limits.text))
-        if self.path_s is not None:
-            lines += self._airborne_lines()
+        if self.airborne_s is not None and self.batteries is not None:
+            airborne = airborne_text(self.airborne_s, self.batteries, self.drone)
+            lines.append((Message("time in the air"), airborne))
         if self.battery_min is not None:
             lines.append((Message("sorties"), sorties_text(self.sorties_s, self.battery_min)))
         if self.sun is not None:
