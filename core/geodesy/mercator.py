@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, NoReturn, TypeVar, Union
 
 import numpy as np
@@ -201,7 +201,8 @@ class PixelGrid:
         The world that the pixels divide: the whole map, or the rectangle about a raster in another CRS. At the native
         zoom a pixel is one pixel of the raster; each zoom below has pixels twice as large.
     native_part_px : int
-        Width and height of the parts of pictures that are cut out at the native zoom; 0 for those of a tile.
+        Width and height of the parts of pictures that are cut out at the native zoom; 0 for those of a tile. Grids with
+        the same pixels are equal, whatever their parts.
     """
 
     tile_px: int = 256
@@ -212,7 +213,7 @@ class PixelGrid:
     centre_decimals: int | None = None
     extent: tuple[tuple[float, float], ...] | None = None
     plane: Plane = MERCATOR
-    native_part_px: int = 0
+    native_part_px: int = field(default=0, compare=False)
 
     def __post_init__(self) -> None:
         if self.tile_px < 256 or self.tile_px % 256:
