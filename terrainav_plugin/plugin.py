@@ -259,11 +259,13 @@ class TerrAInavPlugin:
             self._session.project_begun()
 
     def _offer_unfinished(self) -> None:
-        """Offer unfinished captures once there is a window; load nothing if there are none."""
+        """Offer unfinished captures once there is a window; load little if there are none."""
         if not self.iface.mainWindow().isVisible():
             return
         self._unfinished_soon.stop()
-        if any(Path(QgsApplication.qgisSettingsDirPath(), UNFINISHED).glob("*.json")):
+        from .capture.left import left_folders
+
+        if any(Path(QgsApplication.qgisSettingsDirPath(), UNFINISHED).glob("*.json")) or left_folders():
             self._use(lambda session: session.runs.offer_unfinished())
 
     def _can_work(self) -> bool:

@@ -13,7 +13,7 @@ from qgis.core import QgsApplication, QgsSettings
 from ..core.errors import InvalidInput
 from ..core.text.safe_json import parse_json
 from ..core.units import LENGTHS_M
-from .paths import exists
+from .paths import exists, path_key
 
 if TYPE_CHECKING:
     from ..core.imagery.cache.tile_cache import TileCache
@@ -85,6 +85,9 @@ class Settings:
     agreed = _Text()
     """Servers and files the user has agreed to, as JSON; see `remote.trust`."""
 
+    forgotten = _Text()
+    """Folders whose unfinished captures the user does not want to resume, as JSON; see `dismissed`."""
+
     suggested_folder = _Text()
     """Folder proposed last by the panel, which is numbered on without asking if it is taken."""
 
@@ -142,6 +145,22 @@ class Settings:
     def treat_as_missing(self, digest: str) -> None:
         """Count a tile as missing from now on."""
         self.placeholders = " ".join(dict.fromkeys((*self.missing_tiles, digest)))
+
+    @property
+    def dismissed(self) -> tuple[str, ...]:
+        """Folders, as by `path_key`, whose unfinished captures are not offered again."""
+        try:
+            return tuple(map(str, parse_json(self.forgotten or "[]")))
+        except (InvalidInput, TypeError):
+            return ()
+
+    def dismiss(self, folder: Path, *, again: bool = False) -> None:
+        """Offer the unfinished capture of a folder no more, or ``again``."""
+        key = path_key(folder)
+        others = [other for other in self.dismissed if other != key]
+        if again and len(others) == len(self.dismissed):
+            return
+        self.forgotten = json.dumps([*others, *(() if again else (key,))][-100:])
 
     @property
     def missions(self) -> Path:

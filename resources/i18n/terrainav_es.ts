@@ -1390,6 +1390,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: stopped without the mosaic, with {there} of {total} images.</source>
+        <translation>{name}: detenida sin el mosaico, con {there} de {total} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>{name}: the same tile came for {places} places and is in {images} images.</source>
         <translation>{name}: la misma tesela llegó para {places} lugares y está en {images} imágenes.</translation>
     </message>
@@ -1553,6 +1558,11 @@
         <location filename="../../terrainav_plugin/capture/run.py"/>
         <source>Stopped with {there} of {total} images</source>
         <translation>Detenida con {there} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopped without the mosaic, with {there} of {total} images</source>
+        <translation>Detenida sin el mosaico, con {there} de {total} imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>

@@ -142,8 +142,11 @@ class Endings(QObject):
         elif run.stage is Stage.STOPPED and result is None:
             self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
         elif run.stage is Stage.STOPPED:
+            text = tr("{name}: stopped with {there} of {total} images.")
+            if not result.cancelled:
+                text = tr("{name}: stopped without the mosaic, with {there} of {total} images.")
             self._messages.info(
-                tr("{name}: stopped with {there} of {total} images.").format(
+                text.format(
                     name=name,
                     there=number_text(result.written + result.skipped),
                     total=number_text(result.total),

@@ -142,11 +142,10 @@ class Runs(QObject):
     def _offer(self, task: FindTask) -> None:
         self._finding = None
         for left in task.found:
-            total = number_text(left.images)
             text = tr("{name}: its capture did not end.").format(name=left.name)
-            if left.there is not None:
+            if left.there is not None and left.images is not None:
                 text = tr("{name}: its capture did not end: {there} of {total} images.").format(
-                    name=left.name, there=number_text(left.there), total=total
+                    name=left.name, there=number_text(left.there), total=number_text(left.images)
                 )
             # By topic: a new capture into the folder removes the message, as "Forget" would then concern that capture.
             with self._messages.topic(str(left.folder)):

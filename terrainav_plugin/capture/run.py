@@ -282,7 +282,11 @@ def _end_text(run: BackgroundRun) -> str:
     if result is None:
         return tr("Stopped before the first image")
     there = number_text(result.written + result.skipped)
-    if result.cancelled:
+    if run.stage is Stage.STOPPED:
+        if not result.cancelled:
+            return tr("Stopped without the mosaic, with {there} of {total} images").format(
+                there=there, total=number_text(result.total)
+            )
         return tr("Stopped with {there} of {total} images").format(there=there, total=number_text(result.total))
     if run.task.failed:
         total = len(run.plan) * len(run.mission.imagery.map_types)

@@ -1,4 +1,4 @@
-"""Unfinished captures, noted in the user's profile so that they can be offered again after a crash."""
+"""Unfinished captures, offered again after a crash: noted in the user's profile, or found in their folders."""
 
 from __future__ import annotations
 
@@ -10,16 +10,20 @@ from typing import TYPE_CHECKING
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QLockFile
 
+from ...core.capture.choices import BLOCKS_FOLDER, DIVISION_FILE
+from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
 from ...core.errors import TerrAInavError
-from ...core.limits import MAX_MISSION_BYTES
+from ...core.limits import MAX_MISSION_BYTES, MAX_TABLE_BYTES
 from ...core.mission.mission import Mission
-from ...core.storage.files import read_limited, write_whole
+from ...core.storage.files import lock_tried, open_foreign, read_limited, write_whole
 from ...core.text.safe_json import parse_json
 from ..i18n import tr
 from ..messages import log
-from ..paths import UNFINISHED, is_remote, path_key
+from ..paths import UNFINISHED, exists, is_remote, path_key
+from ..settings import Settings
 from ..sources import plan_mission
 from ..tasks import Task
+from .left import left_folders
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,6 +48,8 @@ class Unfinished:
         """Note a queued run; a read-only profile does not prevent a capture."""
         if run.test_shot:
             return
+        if not is_remote(run.folder):
+            Settings().dismiss(run.folder, again=True)
         path = _notes() / f"{_digest(run.folder)}{_NOTE}"
         text = {
             "folder": str(run.folder),
@@ -81,14 +87,16 @@ class UnfinishedCapture:
     ----------
     folder : Path
     mission : Mission
-    images : int
-        Planned number of images.
+    images : int or None
+        Planned number of images; None if unknown, as if the capture stopped before its plan was written.
     there : int or None
         Number of existing images; None if not counted, as for folders on other machines.
     only_failed : bool
     """
 
-    def __init__(self, path: Path, folder: Path, mission: Mission, images: int, only_failed: bool) -> None:
+    def __init__(
+        self, path: Path | None, folder: Path, mission: Mission, images: int | None, only_failed: bool = False
+    ) -> None:
         self._path, self.folder, self.mission = path, folder, mission
         self.images, self.only_failed = images, only_failed
         self.there: int | None = None
@@ -99,8 +107,11 @@ class UnfinishedCapture:
         return self.folder.name or str(self.folder)
 
     def forget(self) -> None:
-        """Remove the note, but no images."""
-        _remove(self._path)
+        """Offer the capture no more; its images are kept."""
+        if self._path is not None:
+            _remove(self._path)
+        if not is_remote(self.folder):
+            Settings().dismiss(self.folder)
 
     def count(self) -> None:
         """Count the existing images without opening them."""
@@ -122,18 +133,22 @@ class FindTask(Task):
         self.found: list[UnfinishedCapture] = []
 
     def work(self) -> None:
-        """Read the notes, and count the images of each capture; changes nothing."""
+        """Read the notes, look into the folders last written to, and count images; changes nothing."""
+        running = set()
         for path in sorted(_notes().glob(f"*{_NOTE}"), key=lambda path: path.stat().st_mtime):
-            lock = _make_lock(path)
-            if not lock.tryLock(0):
-                continue
-            lock.unlock()
             left = _read(path)
             if left is None:
                 continue
+            lock = _make_lock(path)
+            if not lock.tryLock(0):
+                running.add(_digest(left.folder))
+                continue
+            lock.unlock()
             if not is_remote(left.folder):
                 left.count()
             self.found.append(left)
+        known = running | {_digest(left.folder) for left in self.found}
+        self.found += [left for folder in left_folders() if _digest(folder) not in known for left in _found(folder)]
 
 
 class PlanTask(Task):
@@ -164,6 +179,35 @@ def _read(path: Path) -> UnfinishedCapture | None:
     except (OSError, KeyError, TypeError, ValueError, TerrAInavError) as wrong:
         log(tr("{path}: a note of a capture cannot be read ({error})").format(path=path, error=wrong))
         return None
+
+
+def _found(folder: Path) -> list[UnfinishedCapture]:
+    """The unfinished capture in a folder, if this session can resume it and no other program is running it."""
+    if any(exists(folder / name) for name in (BLOCKS_FOLDER, DIVISION_FILE)):
+        return []
+    try:
+        mission = Mission.from_json(read_limited(folder / MISSION_FILE, MAX_MISSION_BYTES).decode("utf-8"))
+        with lock_tried(folder / JOURNAL_FILE) as is_free:
+            if not is_free:
+                return []
+    except (OSError, ValueError, TerrAInavError):
+        # Foreign files, or a folder that may not be written.
+        return []
+    left = UnfinishedCapture(None, folder, mission, _count_planned(folder, mission))
+    left.count()
+    rejected = sum(1 for kind in mission.imagery.map_types for _ in (folder / kind / REJECTED_FOLDER).glob("*.*"))
+    # Copies of datasets have files of any age: those with all their images have ended.
+    return [left] if left.images is None or (left.there or 0) + rejected < left.images else []
+
+
+def _count_planned(folder: Path, mission: Mission) -> int | None:
+    """Planned number of images, by the lines of the plan; None if it was not written."""
+    try:
+        with open_foreign(folder / PLAN_FILE, MAX_TABLE_BYTES) as lines:
+            captures = sum(1 for _ in lines) - 1
+    except (OSError, TerrAInavError):
+        return None
+    return captures * len(mission.imagery.map_types)
 
 
 def _notes() -> Path:

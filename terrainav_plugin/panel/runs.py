@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QObject, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QResizeEvent
 from qgis.PyQt.QtWidgets import (
+    QBoxLayout,
     QFrame,
     QHBoxLayout,
     QProgressBar,
@@ -21,7 +23,7 @@ from qgis.PyQt.QtWidgets import (
 from ..capture.run import BackgroundRun, Stage, row_text, run_title
 from ..i18n import tr
 from ..paths import icon
-from ..widgets import ElidedLabel, named, push_button, tool_button
+from ..widgets import ElidedLabel, named, push_button, tool_button, wrapped_label
 
 if TYPE_CHECKING:
     from ..capture.queue import Runs
@@ -189,6 +191,7 @@ class RunRows(QScrollArea):
     def add(self, row: RunRow) -> None:
         """Add a row at the bottom."""
         self._layout.insertWidget(self._layout.count() - 1, row)
+        row.fitted.connect(self.fit)
         self._to_newest = True
         self.fit()
 
@@ -233,6 +236,8 @@ class RunRow(QFrame):
     -------
     asked(str)
         The action wanted, one of `RunRow.DEEDS`.
+    fitted()
+        The height may have changed.
     """
 
     DEEDS = PAUSE, RESUME, CANCEL, FAILED, ZOOM, CLEAN, OPEN, DISMISS = (
@@ -246,6 +251,7 @@ class RunRow(QFrame):
         "dismiss",
     )
     asked = pyqtSignal(str)
+    fitted = pyqtSignal()
 
     def __init__(self, title: str) -> None:
         super().__init__()
@@ -259,14 +265,22 @@ class RunRow(QFrame):
         self.bar.setRange(0, 100)
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(4)
-        self.text = named(ElidedLabel(Qt.TextElideMode.ElideRight, 8), "run_text")
+        self.text = wrapped_label("run_text")
+        self.text.setTextInteractionFlags(Qt.TextInteractionFlag.NoTextInteraction)
+        # Keep the flag by which the height follows the width.
+        policy = self.text.sizePolicy()
+        policy.setHorizontalPolicy(QSizePolicy.Policy.Ignored)
+        self.text.setSizePolicy(policy)
         self.buttons = self._make_buttons(title)
+        self._actions: set[str] = set()
         self._lay_out()
 
     def show_progress(self, percent: float, text: str) -> None:
         """Show the progress of the run."""
         self.bar.setValue(int(percent))
-        self.text.say(text)
+        if text != self.text.text():
+            self.text.setText(text)
+            self._fit_text()
 
     def show_actions(self, actions: set[str], enabled: bool = True, underway: bool = True) -> None:
         """Enable the actions that are possible now.
@@ -284,6 +298,30 @@ class RunRow(QFrame):
             button.setVisible(name in actions)
         self.buttons[self.PAUSE].setEnabled(enabled)
         self.bar.setVisible(underway)
+        if actions != self._actions:
+            self._actions = actions
+            self._fit_text(anew=True)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fit the text to a new width."""
+        super().resizeEvent(event)
+        if event.size().width() != event.oldSize().width():
+            self._fit_text(anew=True)
+
+    def _fit_text(self, *, anew: bool = False) -> None:
+        """Put a text that does not fit beside the title below it; it stays there, unless fitted ``anew``."""
+        beside, below = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
+        buttons_px = sum(button.sizeHint().width() for button in self.buttons.values() if not button.isHidden())
+        edges = self.layout().contentsMargins()
+        room_px = self.width() - edges.left() - edges.right() - 2 * self.frameWidth() - buttons_px
+        texts_px = sum(label.fontMetrics().horizontalAdvance(label.text()) for label in (self.title, self.text))
+        fits = texts_px + 2 * self._words.spacing() <= room_px
+        if anew or not fits:
+            self._words.setDirection(beside if fits else below)
+        # Qt would do so only later, and the list asks for the height now.
+        for layout in (self._words, self._top, self.layout()):
+            layout.invalidate()
+        self.fitted.emit()
 
     def _make_buttons(self, title: str) -> dict[str, QToolButton]:
         of_qgis = QgsApplication.getThemeIcon
@@ -315,13 +353,15 @@ class RunRow(QFrame):
         return buttons
 
     def _lay_out(self) -> None:
-        top = QHBoxLayout()
+        self._words = QBoxLayout(QBoxLayout.Direction.LeftToRight)
+        self._words.setSpacing(6)
+        self._words.addWidget(self.title)
+        self._words.addWidget(self.text, 1)
+        top = self._top = QHBoxLayout()
         top.setSpacing(0)
-        top.addWidget(self.title)
-        top.addSpacing(6)
-        top.addWidget(self.text, 1)
+        top.addLayout(self._words, 1)
         for button in self.buttons.values():
-            top.addWidget(button)
+            top.addWidget(button, 0, Qt.AlignmentFlag.AlignTop)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 1, 4, 1)
         layout.setSpacing(1)

@@ -258,7 +258,7 @@ def test_finished_captures_are_cleared_and_their_files_kept(desk):
     # One line: name and words side by side.
     assert row.title.geometry().center().y() == pytest.approx(row.text.geometry().center().y(), abs=2)
     assert row.height() < 3 * row.fontMetrics().height()
-    assert "images captured" in row.text.toolTip()
+    assert "images captured" in row.text.text()
     assert row.buttons["dismiss"].toolTip() == "Remove from list (files are kept)"
     desk.session.capture()
     desk.wait(lambda: len(desk.session.runs.runs) == 2)

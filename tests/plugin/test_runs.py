@@ -12,6 +12,7 @@ from qgis.PyQt.QtTest import QTest
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.capture.run import Stage, row_text
+from terrainav.terrainav_plugin.panel.runs import RunRow
 
 from tests.support.tileserver import TileServer
 
@@ -342,6 +343,49 @@ def test_second_cancel_leaves_the_mosaic_out(prepared, server, statuses, monkeyp
     assert QgsTask.TaskStatus.Terminated not in statuses
     assert not list(run.folder.glob("satellite.vrt*"))
     assert row_of(prepared, run).buttons["resume"].isVisible()
+
+
+def test_mosaic_that_is_cancelled_is_not_told_as_a_finished_capture(prepared, server, monkeypatch):
+    from terrainav.core.errors import Cancelled
+    from terrainav.terrainav_plugin.dataset import mosaic
+
+    def endless(*arguments):
+        progress = arguments[-1]
+        while progress(0.5):
+            time.sleep(0.01)
+        raise Cancelled("mosaic: stopped")
+
+    monkeypatch.setattr(mosaic, "build_overviews", endless)
+    run = press_capture(prepared)
+    total = len(run.plan)
+    prepared.wait(lambda: run.has_all_images)
+    press(prepared, run, "cancel")
+    prepared.wait_for_run()
+    assert run.stage is Stage.STOPPED
+    assert row_of(prepared, run).text.text() == f"Stopped without the mosaic, with {total} of {total} images"
+    assert f"mission: stopped without the mosaic, with {total} of {total} images." in prepared.messages()
+
+
+@pytest.mark.parametrize("width_px", [300, 900])
+def test_text_of_a_row_is_whole_beside_or_below_its_title(prepared, server, width_px):
+    """Also the longest text, a failure of a source."""
+    run = press_capture(prepared)
+    prepared.wait_for_run()
+    row = row_of(prepared, run)
+    shown = RunRow("mission")
+    shown.show_actions({RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS, RunRow.CLEAN}, underway=False)
+    shown.resize(width_px, 10)
+    shown.show()
+    for text in (row.text.text(), "All 4,060 images captured: 1,020 now, in 12 min; 3,040 in earlier runs."):
+        shown.show_progress(100.0, text)
+        shown.resize(width_px, shown.heightForWidth(width_px))
+        prepared.wait(lambda: shown.text.height() >= shown.text.heightForWidth(shown.text.width()))
+        words = shown.text
+        room = words.fontMetrics().boundingRect(words.rect(), Qt.TextFlag.TextWordWrap, text)
+        assert words.rect().contains(room)
+    # The longer text, which has only the narrow row no room for.
+    assert (words.geometry().top() >= shown.title.geometry().bottom()) is (width_px == 300)
+    shown.deleteLater()
 
 
 def test_run_taken_out_of_the_line_is_resumed(prepared, server):

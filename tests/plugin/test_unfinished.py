@@ -10,7 +10,7 @@ import pytest
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QLockFile
 from terrainav.terrainav_plugin import paths
-from terrainav.terrainav_plugin.capture import unfinished
+from terrainav.terrainav_plugin.capture import left, unfinished
 from terrainav.terrainav_plugin.paths import UNFINISHED, is_remote
 
 from tests.plugin.test_runs import pictures, prepared, press_capture, server  # noqa: F401  fixtures
@@ -117,6 +117,50 @@ def test_capture_that_is_forgotten_is_offered_no_more(prepared, server):  # noqa
     prepared.buttons_in_message_bar()["Forget (files are kept)"].click()
     assert notes() == []
     assert contents(prepared.folder) == before
+
+
+def leave(folder, run):
+    """Make a folder look as after a crash of another program: images and their journal, and no table since."""
+    (folder / "satellite" / "meta_data.csv").unlink()
+    gone = pictures(folder)[0]
+    gone.unlink()
+    (folder / "journal.jsonl").touch()
+    return len(run.plan) - 1
+
+
+def test_capture_without_a_note_is_found_in_its_folder_and_resumed(prepared, server):  # noqa: F811
+    run = press_capture(prepared)
+    prepared.wait_for_run()
+    start_again(prepared)
+    assert offers(prepared) == []
+    there = leave(prepared.folder, run)
+    before = contents(prepared.folder)
+    prepared.session.memory.write()
+    start_again(prepared)
+    assert offers(prepared) == [f"mission: its capture did not end: {there} of {there + 1} images."]
+    assert contents(prepared.folder) == before
+    prepared.buttons_in_message_bar()["Resume"].click()
+    prepared.wait(lambda: not prepared.session.runs.idle)
+    prepared.wait_for_run()
+    assert len(pictures(prepared.folder)) == there + 1
+    assert left.left_folders() == []
+
+
+def test_capture_found_in_its_folder_is_forgotten_until_it_is_captured_again(prepared, server):  # noqa: F811
+    run = press_capture(prepared)
+    prepared.wait_for_run()
+    leave(prepared.folder, run)
+    prepared.session.memory.write()
+    start_again(prepared)
+    before = contents(prepared.folder)
+    prepared.buttons_in_message_bar()["Forget (files are kept)"].click()
+    assert left.left_folders() == []
+    assert contents(prepared.folder) == before
+    prepared.click(prepared.dock.capture)
+    prepared.wait(lambda: prepared.session.runs.runs[-1] is not run)
+    prepared.wait_for_run()
+    leave(prepared.folder, run)
+    assert left.left_folders() == [prepared.folder]
 
 
 def test_folder_of_another_machine_is_asked_nothing(prepared, server, monkeypatch):  # noqa: F811
