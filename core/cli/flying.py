@@ -265,6 +265,8 @@ def run_plan(arguments: argparse.Namespace) -> int:
             files.append(path)
         else:
             files += _write_plans(plans, path)
+    if arguments.to_vehicle is not None:
+        _upload(next(iter(plans.values())), arguments.to_vehicle, arguments.sortie)
     if arguments.json:
         figures = {name: _figures(plan, sources[name], values) for name, plan in plans.items()}
         print(json.dumps({**({"imageries": figures} if each else figures[""]), "written": files}, indent=1))
@@ -276,6 +278,17 @@ def run_plan(arguments: argparse.Namespace) -> int:
     for file in files:
         print(printable(f"{'written':24s}{file}"))
     return DONE
+
+
+def _upload(planned: Plan, address: str, sortie: int | None) -> None:
+    """Upload a flight to a vehicle, and print notes; several imageries share one flight."""
+    from ..mission.export import plan_texts
+    from ..mission.export.vehicle import upload, vehicle_text
+
+    texts, notes = plan_texts(planned)
+    count = upload(vehicle_text(texts, sortie), address)
+    for note in (*notes, f"{count:,} items uploaded"):
+        print(printable(f"{address}: {note}"), file=sys.stderr)
 
 
 def _ending(path: str, *more: str) -> str:

@@ -116,6 +116,13 @@ def _add_plan(planning: argparse.ArgumentParser) -> None:
         help="write .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .kmz (DJI Pilot 2, FlightHub 2, DJI Fly), .plan "
         "(QGroundControl), .survey.plan (editable there as a survey) or mission .json",
     )
+    planning.add_argument(
+        "--to-vehicle",
+        metavar="ADDRESS",
+        help="upload the flight to a vehicle over MAVLink: tcp:HOST:PORT, udp:HOST:PORT (waits there for it) or "
+        "udpout:HOST:PORT; needs pymavlink",
+    )
+    planning.add_argument("--sortie", type=int, metavar="N", help="sortie to upload, from 1, of a flight with several")
     _add_alignment(planning)
     planning.add_argument("--json", action="store_true", help="print the figures as JSON")
 

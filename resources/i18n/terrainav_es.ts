@@ -11750,6 +11750,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>las filas que vuelve a trazar se vuelan de ida y vuelta</translation>
     </message>
     <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>choose one from 1 to {0}{1}</source>
+        <translation>elija una de 1 a {0}{1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>flight of {0} sorties: a vehicle takes one</source>
+        <translation>vuelo de {0} salidas: un vehículo admite una</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>upload to a vehicle: the Python package {0} is missing</source>
+        <translation>envío a un vehículo: falta el paquete de Python {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>vehicle {0!r}: must be tcp:HOST:PORT, udp:HOST:PORT or udpout:HOST:PORT</source>
+        <translation>vehículo {0!r}: debe ser tcp:HOST:PORT, udp:HOST:PORT o udpout:HOST:PORT</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>vehicle {0}: cannot be reached ({1})</source>
+        <translation>vehículo {0}: no se puede alcanzar ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>vehicle {0}: did not answer {1} times</source>
+        <translation>vehículo {0}: no respondió {1} veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>vehicle {0}: refused the mission ({1})</source>
+        <translation>vehículo {0}: rechazó la misión ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>vehicle {0}: sent no heartbeat within {1:g} s</source>
+        <translation>vehículo {0}: no envió ningún latido en {1:g} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>vehicle {0}: the connection broke ({1})</source>
+        <translation>vehículo {0}: se cortó la conexión ({1})</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/export/waypoints.py"/>
         <source>the roll of {0:g} deg is left out: waypoints have none</source>
         <translation>se omite el alabeo de {0:g} grados: los puntos de ruta no lo tienen</translation>

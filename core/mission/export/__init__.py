@@ -8,8 +8,9 @@ In reading order:
 - `geojson`, `geopackage`, `kml`: formats of GIS and Google Earth
 - `clearance`: files over relief, read back and checked against the surface
 - `gpx`, `litchi`, `wpml`, `qgroundcontrol`, `survey`: formats of autopilots and navigation devices
+- `vehicle`: upload over MAVLink
 """
 
-from .writing import PartsAlreadyThere, PlanFiles, check_plan_ending, write_plan
+from .writing import PartsAlreadyThere, PlanFiles, check_plan_ending, plan_texts, write_plan
 
-__all__ = ["PartsAlreadyThere", "PlanFiles", "check_plan_ending", "write_plan"]
+__all__ = ["PartsAlreadyThere", "PlanFiles", "check_plan_ending", "plan_texts", "write_plan"]

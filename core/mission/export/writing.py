@@ -151,6 +151,16 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
     return PlanFiles((target,), () if form.notes is None else form.notes(plan))
 
 
+def plan_texts(plan: Plan) -> tuple[list[str], tuple[str, ...]]:
+    """Texts of QGroundControl's ``.plan`` of the sorties, checked, and notes; raises as `write_plan` does."""
+    form = _PARTED[".plan"]
+    form.check(plan)
+    contents, read_back = form.contents(plan), tuple[Message, ...]()
+    if not plan.relief.is_level:
+        contents, read_back = _checked(plan, ".plan", contents, form.read)
+    return [b"".join(blocks).decode() for blocks in contents], (*form.notes(plan), *read_back)
+
+
 def _checked_text(plan: Plan, name: str, texts: Iterable[str], points: Callable[[str], Floats]) -> Iterator[str]:
     """Yield blocks of a text, and check the flight in them before the end."""
     found = []

@@ -7,6 +7,7 @@ from functools import partial
 
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box, Points, Polygon
+from terrainav.core.mission.export.vehicle import vehicle_text
 from terrainav.core.mission.flight.pilot import greatest_speed_m_per_s, interval_warnings
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
@@ -115,3 +116,10 @@ def _never_slow_enough(case: Case) -> None:
     assert "overlap less" in said(**less)
     case.follow("overlap less", lambda: not said(**less, overlap_along=0.0))
     case.follow("fly higher", lambda: not said(**against, agl_m=1500.0))
+
+
+@remedy("mission/export/vehicle.py", "flight of {} sorties: a vehicle takes one; choose one from 1 to {} (--sortie)")
+def _several_sorties(case: Case) -> None:
+    text = case.refused(lambda: vehicle_text(["first", "second"], None))
+    assert "flight of 2 sorties" in text
+    case.follow("choose one from 1 to 2 (--sortie)", lambda: vehicle_text(["first", "second"], 2) == "second")
