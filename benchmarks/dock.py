@@ -91,6 +91,7 @@ def main() -> None:
     print(f"{'field':20} {'a key, ms':>10} {'longest wait, ms (at work + queued)':>36} {'most work, ms':>14}")
     lines = []
     for name, widget in fields.items():
+        form.pages.setCurrentWidget(form.pages.page_of(widget))
         if not widget.isVisible() or name == "folder":
             continue
         heartbeat.reset()

@@ -163,7 +163,7 @@ class Figures(QWidget):
     _room_px = 0
 
     def _fit(self) -> None:
-        """Show the labels that have a text, and those unfolded; warnings take a fifth of the panel, figures half."""
+        """Show the labels that have a text, and those unfolded; warnings take a fifth of the panel, figures two."""
         for label in (self.line, self.problem, self.warnings):
             label.setVisible(bool(label.text()))
         for label in (self.estimates, self.details):
@@ -171,7 +171,7 @@ class Figures(QWidget):
         self.fold.setVisible(bool(self.estimates.text()))
         self._text.setVisible(not all(label.isHidden() for label in self._text.labels))
         unfolded = not self.estimates.isHidden()
-        self._text.most_px = self._room_px // (2 if unfolded else 5) if self._room_px else 0
+        self._text.most_px = self._room_px * (2 if unfolded else 1) // 5 if self._room_px else 0
         self._text.updateGeometry()
 
 
@@ -260,9 +260,12 @@ class Readout:
         """The figures that decide as a line, with links."""
         titles = {Link.HIGHER: tr("fly higher"), Link.UPSAMPLE: tr("upsample"), Link.SOURCE: tr("another source")}
         # Break lines between figures only.
-        text = " · ".join(html.escape(part.replace(" ", "\N{NO-BREAK SPACE}")) for part in self.line)
+        parts = [html.escape(part.replace(" ", "\N{NO-BREAK SPACE}")) for part in self.line]
         links = ", ".join(f'<a href="{link}">{html.escape(titles[link])}</a>' for link in self.links)
-        return f"{text} ({links})" if links else text
+        if links:
+            # Beside the size of the images, before the time.
+            parts[-2] += f" ({links})"
+        return "\N{NO-BREAK SPACE}· ".join(parts)
 
     def figures_html(self) -> str:
         """The main figures as an HTML table."""

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from qgis.core import QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, QSize, Qt, QTimer
-from qgis.PyQt.QtGui import QColor, QPalette, QShowEvent
+from qgis.PyQt.QtGui import QColor, QShowEvent
 from qgis.PyQt.QtWidgets import QFrame, QScrollArea, QStyle, QTabWidget, QVBoxLayout, QWidget
 
+from ..tasks import single_shot
 from ..widgets import WRONG_COLOUR
 
 _KEY = "TerrAInav/tab"
@@ -41,6 +42,8 @@ class Pages(QTabWidget):
             layout.addStretch(1)
             self.addTab(FormScroll(contents), title)
             self.setTabToolTip(number, tip)
+        self._wanted: QWidget = self
+        self._soon = single_shot(lambda: self.show_stop(self._wanted), self, 0)
         self.setCurrentIndex(QgsSettings().value(_KEY, 0, type=int))
         self.currentChanged.connect(lambda number: QgsSettings().setValue(_KEY, number))
 
@@ -61,13 +64,13 @@ class Pages(QTabWidget):
             if isinstance(around, QgsCollapsibleGroupBoxBasic) and around.isCollapsed():
                 around.setCollapsed(False)
             around = around.parentWidget()
-        # Groups that have just been unfolded are laid out later.
-        QTimer.singleShot(0, lambda: page.ensureWidgetVisible(widget))
-        page.ensureWidgetVisible(widget)
         widget.setFocus(Qt.FocusReason.OtherFocusReason)
+        # Groups that have just been unfolded are laid out later.
+        self._wanted = widget
+        self._soon.start()
 
     def show_stop(self, widget: QWidget) -> None:
-        """Scroll to a widget that has got the keyboard."""
+        """Scroll to a widget."""
         for page in self.pages():
             if page.isAncestorOf(widget):
                 page.ensureWidgetVisible(widget)
@@ -76,8 +79,8 @@ class Pages(QTabWidget):
         """Colour the tabs that hold a field with an invalid value."""
         for number, page in enumerate(self.pages()):
             is_wrong = any(page.isAncestorOf(widget) for widget in wrong)
-            colour = QColor(WRONG_COLOUR) if is_wrong else self.palette().color(QPalette.ColorRole.WindowText)
-            self.tabBar().setTabTextColor(number, colour)
+            # An invalid colour stands for the theme's.
+            self.tabBar().setTabTextColor(number, QColor(WRONG_COLOUR) if is_wrong else QColor())
 
     def minimumSizeHint(self) -> QSize:
         """All tabs, the widest page, and a few lines of the page."""
