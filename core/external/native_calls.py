@@ -173,8 +173,10 @@ class _Thread(threading.Thread):
             if self._keeps_contexts:
                 _local.contexts = contexts
             while (call := self.calls.get()) is not None:
-                call()
-                self.calls.task_done()
+                try:
+                    call()
+                finally:
+                    self.calls.task_done()
                 # Nothing of a call is kept while the next one is awaited.
                 del call
         self.calls.task_done()

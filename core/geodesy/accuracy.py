@@ -105,7 +105,7 @@ class ImageGeometry:
 
     def parts(self) -> Iterator[ImageGeometry]:
         """Geometry of the poses, a bounded number at a time."""
-        for start in range(0, len(self.poses.lat_deg), _BATCH):
+        for start in range(0, max(len(self.poses.lat_deg), 1), _BATCH):
             some = slice(start, start + _BATCH)
             width, height = (
                 side[some] if isinstance(side, np.ndarray) else side for side in (self.width_px, self.height_px)

@@ -83,8 +83,12 @@ def gather(
     addresses, depths : array (rows, columns) of int64
         Where the pixels (size, size, depth) of each tile begin in memory, and their channels: those of the picture, and
         a mask after them or not.
+    size : int
+        Width and height of a tile.
     x_px, y_px : array (n, k)
         Positions from the upper left corner of the tiles.
+    row, column : array (n,)
+        Pixels of the picture.
     is_masked : bool
         Whether any tile has a mask.
     limits : (least, greatest)

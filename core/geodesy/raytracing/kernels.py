@@ -456,9 +456,11 @@ def _begins_below(heights: Floats, start: Floats, c: Floats, t: float) -> tuple[
     if not (0.0 <= x <= columns and 0.0 <= y <= rows):
         return False, x, y
     i, j = min(int(y), rows - 1), min(int(x), columns - 1)
-    a, b, below = heights[i, j], heights[i, j + 1] - heights[i, j], heights[i + 1, j] - heights[i, j]
-    twist = heights[i + 1, j + 1] - heights[i + 1, j] - b
-    return a + b * (x - j) + below * (y - i) + twist * (x - j) * (y - i) >= h, x, y
+    a, at_right = float(heights[i, j]), float(heights[i, j + 1])
+    below, across = float(heights[i + 1, j]), float(heights[i + 1, j + 1])
+    twist = (across - below) - (at_right - a)
+    ground = a + (at_right - a) * (x - j) + (below - a) * (y - i) + twist * (x - j) * (y - i)
+    return ground >= h, x, y
 
 
 @compiled

@@ -51,9 +51,9 @@ def _ground(heights: Floats, column: float, row: float) -> tuple[float, float, f
     j = min(max(int(column), 0), heights.shape[1] - 2)
     i = min(max(int(row), 0), heights.shape[0] - 2)
     x, y = column - j, row - i
-    a = heights[i, j]
-    b, c = heights[i, j + 1] - a, heights[i + 1, j] - a
-    d = (heights[i + 1, j + 1] - heights[i + 1, j]) - b
+    a, below = float(heights[i, j]), float(heights[i + 1, j])
+    b, c = float(heights[i, j + 1]) - a, below - a
+    d = (float(heights[i + 1, j + 1]) - below) - b
     return a + b * x + c * y + d * x * y, b + d * y, c + d * x
 
 

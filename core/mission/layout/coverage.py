@@ -465,7 +465,7 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
         otherwise the rectangle of the same column.
     """
     left, top, right, bottom = rectangles
-    along: list[Floats] = [np.empty(0)]
+    along: list[Floats] = []
     neighbours = np.flatnonzero((row[1:] == row[:-1]) & (np.abs(np.diff(column)) == 1))
     for here in _batches(neighbours):
         shared = np.minimum(right[here], right[here + 1]) - np.maximum(left[here], left[here + 1])
@@ -479,7 +479,7 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
     place = (place - place.min()) / (2.0 * max(float(np.ptp(place)), 1.0))
     order = np.argsort(row + place)
     keys = (row + place)[order]
-    across: list[Floats] = [np.empty(0)]
+    across: list[Floats] = []
     for here in _batches(np.arange(len(row))):
         after = np.searchsorted(keys, row[here] + place[here] + 1.0)
         before, behind = (order[np.clip(at, 0, len(keys) - 1)] for at in (after - 1, after))

@@ -231,7 +231,7 @@ def _row_centres(
     shift = rows.centring_shift(count, spare)
     placed, edges = rows.settle(rows.first_top - shift, count)
     while edges.bottom_v[-1] < rows.last_bottom - _CONVERGED and count < len(centres):
-        # Rows that have only come nearer may no longer reach the end.
+        # Rows that have only come nearer may no longer reach the end; more rows are not centred.
         count += 1
         placed, edges = rows.settle(rows.first_top, count)
     placed, edges = rows.lean(placed, edges)
@@ -375,7 +375,8 @@ class _ParallelRows:
         """Place rows by Picard iteration.
 
         The position of a row depends on the heights of all rows before, which depend on their positions: all rows are
-        placed at once, again and again with the heights of the last pass.
+        placed at once, again and again with the heights of the last pass. Rows that move back and forth only come nearer
+        from then on.
         """
         centres = np.linspace(max(top, self._north), self._south, count)
         # Sums of many steps have more noise.
@@ -385,8 +386,7 @@ class _ParallelRows:
         for _ in range(500):
             edges = self._edges(centres)
             steps = np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)])
-            # Over relief, the height of a frame may jump where its row moves by little, so that no position is right:
-            # after such rows have moved back and forth, they only come nearer.
+            # Over relief, the height of a frame may jump where its row moves by little, so that no position is right.
             if stalled >= _STALLED:
                 least = steps = np.minimum(steps, least)
             placed = np.cumsum(steps)
