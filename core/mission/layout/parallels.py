@@ -375,8 +375,8 @@ class _ParallelRows:
         """Place rows by Picard iteration.
 
         The position of a row depends on the heights of all rows before, which depend on their positions: all rows are
-        placed at once, again and again with the heights of the last pass. Rows that move back and forth only come nearer
-        from then on.
+        placed at once, again and again with the heights of the last pass. Rows that have moved back and forth then only
+        come nearer.
         """
         centres = np.linspace(max(top, self._north), self._south, count)
         # Sums of many steps have more noise.
