@@ -12015,7 +12015,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
         <source>give its minimum image interval{0} or its exposure time{1}</source>
-        <translation>indique su intervalo mínimo entre imágenes{0} o su tiempo de exposición{1}</translation>
+        <translation>indique su intervalo mínimo de imágenes{0} o su tiempo de exposición{1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
@@ -13227,7 +13227,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>each image of an area has a yaw at random, by the seed, and rows along parallels are as close as that takes; not for tilted cameras, nor for points, which state their yaws</source>
-        <translation>cada imagen de un área tiene una guiñada al azar, según la semilla, y las filas a lo largo de paralelos están tan juntas como haga falta; no para cámaras inclinadas ni para puntos, que indican sus guiñadas</translation>
+        <translation>cada imagen de un área tiene una guiñada al azar, según la semilla, y las pasadas a lo largo de paralelos están tan juntas como haga falta; no para cámaras inclinadas ni para puntos, que indican sus guiñadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -13549,7 +13549,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>over relief, with the trigger by distance, how far flights in files for drones may be above or below the planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and hardly higher</source>
-        <translation>sobre relieve, con el disparo por distancia, cuánto pueden estar los vuelos de los archivos para drones por encima o por debajo de los planificados, para que las filas necesiten menos puntos de paso; 0 los mantiene no más bajos que lo planificado y apenas más altos</translation>
+        <translation>sobre relieve, con el disparo por distancia, cuánto pueden estar los vuelos de los archivos para drones por encima o por debajo de los planificados, para que las pasadas necesiten menos puntos de paso; 0 los mantiene no más bajos que lo planificado y apenas más altos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
