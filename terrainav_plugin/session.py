@@ -48,6 +48,7 @@ from .widgets import menu_keys
 
 if TYPE_CHECKING:
     from ..core.mission.areas.area import Box
+    from ..core.mission.presets import Preset
 
 
 class Session(QObject):
@@ -239,6 +240,7 @@ class Session(QObject):
         form.draw_box_clicked.connect(self.draw_box)
         form.show_on_map_clicked.connect(self.show_on_map)
         form.route.pick_clicked.connect(self.areas.takeoff_tool.start)
+        form.preset_taken.connect(self._tell_preset)
         form.key.selectedConfigIdChanged.connect(self._key_chosen)
         dock.preview_toggled.connect(self.set_preview)
         dock.test_shot_clicked.connect(self.take_test_shot)
@@ -343,6 +345,13 @@ class Session(QObject):
         self.settings.suggested_folder = str(folder)
         self.dock.form.set_state(replace(self.state(), folder=str(folder)))
         self.capture()
+
+    def _tell_preset(self, preset: Preset, changes: list[str]) -> None:
+        """Say what a preset has changed."""
+        text = tr("“{preset}” has set: {values}.") if changes else tr("“{preset}”: its values were there already.")
+        self.messages.withdraw("preset")
+        with self.messages.topic("preset"):
+            self.messages.info(text.format(preset=translate(preset.title), values=", ".join(changes)))
 
     def _show_key(self) -> None:
         self.dock.form.show_key(self.settings.authcfg(self.state().source_name))

@@ -103,6 +103,9 @@ class Settings:
     cache_limit_mb = _Whole(4_000, 10, 10_000_000)
     """Largest size of the cache, in megabytes."""
 
+    camera = _Text()
+    """Name of the real camera chosen last."""
+
     connections = _Whole(8, 1, 64)
     """Most concurrent requests, as far as the provider allows."""
 

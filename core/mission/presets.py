@@ -35,16 +35,19 @@ class Preset:
         One line about the values.
     values : mapping
         Values by field of a mission, or ``aspect_ratio`` of its camera. Other fields stay as they are.
+    camera : str
+        Camera by name, unless another is chosen; empty for none.
     """
 
     name: str
     title: Message
     note: Message
     values: Mapping[str, Any]
+    camera: str = ""
 
 
-def _preset(name: str, title: Message, note: Message, **values: Any) -> Preset:
-    return Preset(name, title, note, MappingProxyType(values))
+def _preset(name: str, title: Message, note: Message, camera: str = "", **values: Any) -> Preset:
+    return Preset(name, title, note, MappingProxyType(values), camera)
 
 
 PRESETS: tuple[Preset, ...] = (
@@ -56,6 +59,7 @@ PRESETS: tuple[Preset, ...] = (
             "photogrammetry software reads",
             *(100.0 * overlap for overlap in _MAPPING_OVERLAPS),
         ),
+        camera="DJI Mavic 3E",
         overlap_along=_MAPPING_OVERLAPS[0],
         overlap_across=_MAPPING_OVERLAPS[1],
         facing=TRACK,

@@ -28,6 +28,8 @@ from .parts import AUTO, Flight, Pixels
 from .presets import preset_named
 
 CONFIG_FILE = "config.json"
+#: Options of a camera, any of which excludes the camera of a preset.
+_CAMERA_OPTIONS = {"camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio", "image_px"}
 
 
 def resolve(
@@ -70,7 +72,8 @@ def _take(place: Mapping[str, tuple[str, Any]], values: dict[str, Any], settled:
 def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tuple[str, Any]]:
     """Options of the preset by name, each as a label for messages and the value."""
     name = values["preset"]
-    fields = dict(preset_named(name).values)
+    preset = preset_named(name)
+    fields = dict(preset.values)
     given: dict[str, Any] = {"overlap": (fields.pop("overlap_along"), fields.pop("overlap_across"))}
     if "aspect_ratio" in fields:
         given["aspect_ratio"] = (fields.pop("aspect_ratio"), 1.0)
@@ -79,6 +82,8 @@ def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tupl
             # Images keep the shape of the camera.
             del given["aspect_ratio"]
             fields["img_size"] = _fit_size(fields["img_size"], *shape)
+    if preset.camera and not settled & _CAMERA_OPTIONS:
+        given["camera"] = preset.camera
     named = {one.name: one.name_of_option for one in flat_fields()}
     given.update({named[field]: value for field, value in fields.items() if value is not None})
     if settled & {"source", "imagery"}:

@@ -2985,6 +2985,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{what} «{text}»: debe ser un número entero</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/presets.py"/>
+        <source>camera {name}</source>
+        <translation>cámara {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/presets.py"/>
+        <source>size of the images</source>
+        <translation>tamaño de las imágenes</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/help.py"/>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Open the guide</source>
@@ -7098,6 +7108,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/session.py"/>
         <source>{link} and drag over the area, or paste its coordinates below.</source>
         <translation>{link} y arrastre sobre el área, o pegue sus coordenadas abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>“{preset}” has set: {values}.</source>
+        <translation>«{preset}» ha fijado: {values}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>“{preset}”: its values were there already.</source>
+        <translation>«{preset}»: sus valores ya estaban.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>

@@ -31,6 +31,8 @@ _NOTHING_TYPED = {
     "sensor_width_mm": 0.0,
     "sensor_height_mm": 0.0,
 }
+#: All entries of the camera.
+CAMERA_ENTRIES = ("fov_mode", "fov_deg", *_NOTHING_TYPED, "aspect", "image_px")
 #: Entries that, together with the height, determine the ground sample distance.
 _CAMERA = {"fov_deg", "aspect", *_NOTHING_TYPED}
 

@@ -6,8 +6,10 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
+from ...core.mission.mission import flat_fields
 from ...core.mission.presets import PRESETS, Preset
-from .camera import settled
+from ..i18n import tr, translate
+from .camera import CAMERA_ENTRIES, settled, update_height
 from .state import ENTERED_AS_DECLARED, FormState
 from .text import aspect_text
 
@@ -32,6 +34,19 @@ def without_preset(state: FormState, preset: Preset, before: FormState) -> FormS
     aspect = entries.pop("aspect", state.aspect)
     state = replace(state, **entries)
     return state if aspect == state.aspect else settled(state, replace(state, aspect=aspect), "aspect")
+
+
+def with_camera_of(state: FormState, before: FormState) -> FormState:
+    """State with the camera of ``before``."""
+    return update_height(replace(state, **{name: getattr(before, name) for name in CAMERA_ENTRIES}))
+
+
+def preset_changes(before: FormState, now: FormState, preset: Preset, camera: str = "") -> list[str]:
+    """Titles of the values that a preset has changed, and the name of the ``camera`` that it has chosen, if any."""
+    titles = {one.name: translate(one.title) for one in flat_fields()}
+    names = [name for name in _entries(preset, ()) if getattr(before, name) != getattr(now, name)]
+    shown = [titles.get(name, tr("size of the images")) for name in names]
+    return list(dict.fromkeys([*shown, *([tr("camera {name}").format(name=camera)] if camera else ())]))
 
 
 def find_preset(state: FormState, offered: Collection[str] = ()) -> Preset | None:

@@ -17,6 +17,7 @@ from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
 from ..form.text import aspect_text, parse_aspect, short_aspect
 from ..i18n import number_text, tr, translate
 from ..plain import shown_plain
+from ..settings import Settings
 from ..widgets import FieldMarks, ShortLine, combo, named, row, spin, tool_button
 from .choices import CameraChoice
 from .entries import Entries
@@ -144,6 +145,17 @@ class CameraEntries(Entries):
         )
         return update_height(convert_camera(plain, state.fov_mode, choice.sensor_mm))
 
+    def real_camera(self, state: FormState, usual: str) -> CameraChoice | None:
+        """The real camera chosen last, else the one named ``usual``; None if a real camera is entered."""
+        real = {choice.name: choice for choice in self._cameras if choice.image_px is not None}
+        if any(_is(choice, state) for choice in real.values()):
+            return None
+        return real.get(Settings().camera) or real.get(usual)
+
+    def is_entered(self, choice: CameraChoice) -> bool:
+        """Whether a camera is entered."""
+        return _is(choice, self._state)
+
     def _fill_chooser(self) -> None:
         self.camera.clear()
         for choice in self._cameras:
@@ -156,6 +168,8 @@ class CameraEntries(Entries):
         choice = self.camera.currentData()
         self._trouble = ""
         if choice is not None:
+            if choice.image_px is not None:
+                Settings().camera = choice.name
             self.chosen.emit(choice)
 
     def _name_camera(self, state: FormState) -> None:

@@ -18,7 +18,7 @@ from ..area.entries import AreaEntries
 from ..form.camera import GSD_M, settled
 from ..form.headings import headings
 from ..form.mission_form import drop_extras, extras_text
-from ..form.presets import apply_preset, find_preset, without_preset
+from ..form.presets import apply_preset, find_preset, preset_changes, with_camera_of, without_preset
 from ..form.state import FormState, keep_unchanged
 from ..i18n import tr
 from ..settings import Settings
@@ -53,11 +53,14 @@ class DockForm(QWidget):
     changed()
         Emitted after every change, by the user or by `set_state`.
     draw_box_clicked(), show_on_map_clicked()
+    preset_taken(object, object)
+        A preset was chosen; titles of the values that it has changed.
     """
 
     changed = pyqtSignal()
     draw_box_clicked = pyqtSignal()
     show_on_map_clicked = pyqtSignal()
+    preset_taken = pyqtSignal(object, object)
 
     def __init__(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
         super().__init__()
@@ -66,6 +69,8 @@ class DockForm(QWidget):
         self._given = self._shown = FormState()
         #: State before a preset was chosen; None once the user has changed a value of the preset.
         self._before_preset: FormState | None = None
+        #: Camera that the preset has chosen.
+        self._preset_camera: CameraChoice | None = None
         self.setStyleSheet(STYLE_SHEET)
         self._make_groups(sources, cameras)
         layout = QVBoxLayout(self)
@@ -170,16 +175,24 @@ class DockForm(QWidget):
         """Enter the values of a preset, in place of the values of the previous preset."""
         state, last = self.state(), self.presets.preset
         if last is not None and self._before_preset is not None:
+            if self._preset_camera is not None and self.camera_group.is_entered(self._preset_camera):
+                state = with_camera_of(state, self._before_preset)
             state = without_preset(state, last, self._before_preset)
         else:
             self._before_preset = state
+        camera = self._preset_camera = self.camera_group.real_camera(state, preset.camera) if preset.camera else None
+        entered = apply_preset(state, preset, self.imagery.offered())
+        if camera is not None:
+            entered = self.camera_group.apply_camera(entered, camera)
         # Groups that unfold for unusual values must not scroll the chooser out of view.
         scrolls = [box for box in self.boxes if box.scrollOnExpand()]
         for box in scrolls:
             box.setScrollOnExpand(False)
-        self.set_state(apply_preset(state, preset, self.imagery.offered()))
+        self.set_state(entered)
         for box in scrolls:
             box.setScrollOnExpand(True)
+        changes = preset_changes(state, entered, preset, camera.name if camera is not None else "")
+        self.preset_taken.emit(preset, changes)
 
     def _show_preset(self) -> None:
         preset = find_preset(self.state(), self.imagery.offered())

@@ -57,8 +57,14 @@ def test_values_of_a_preset_are_open_to_change_and_then_custom(desk):
     assert desk.form.aspect.text() == "1:1"
     # Another preset takes the values of the one before it back.
     choose_preset(desk, "mapping")
-    assert desk.session.state() == replace(
-        before, overlap_along=0.75, overlap_across=0.65, facing="track", image_format="jpg", resize=False
+    state = desk.session.state()
+    camera = {"fov_deg": state.fov_deg, "aspect": state.aspect, "image_px": 5280}
+    assert state == replace(
+        before, overlap_along=0.75, overlap_across=0.65, facing="track", image_format="jpg", resize=False, **camera
+    )
+    assert desk.form.camera.currentText() == "DJI Mavic 3E"
+    assert desk.messages()[-1] == (
+        "“For mapping” has set: front overlap, side overlap, camera faces, image format, camera DJI Mavic 3E."
     )
     desk.form.overlap_along.setValue(80.0)
     assert desk.form.presets.choice.currentText() == "Custom"
@@ -67,7 +73,24 @@ def test_values_of_a_preset_are_open_to_change_and_then_custom(desk):
     # From values of one's own, the next preset begins with them.
     choose_preset(desk, "learning")
     choose_preset(desk, "navigation")
-    assert desk.session.state().aspect == before.aspect
+    assert desk.session.state().aspect == camera["aspect"]
+
+
+def test_a_survey_takes_the_real_camera_used_last_and_gives_it_back(desk):
+    desk.enter_box(**SMALL_BOX)
+    before = desk.session.state()
+    desk.form.camera.setCurrentText("DJI Mini 2")
+    desk.form.camera.activated.emit(desk.form.camera.currentIndex())
+    choose_preset(desk, "mapping")
+    # A real camera that is entered stays.
+    assert desk.form.camera.currentText() == "DJI Mini 2"
+    assert "camera DJI" not in desk.messages()[-1]
+    desk.form.set_state(before)
+    assert desk.form.camera.currentText() != "DJI Mini 2"
+    choose_preset(desk, "mapping")
+    assert desk.form.camera.currentText() == "DJI Mini 2"
+    choose_preset(desk, "navigation")
+    assert (desk.session.state().image_px, desk.session.state().fov_deg) == (before.image_px, before.fov_deg)
 
 
 def test_a_source_of_one_map_type_is_asked_for_no_other(desk):

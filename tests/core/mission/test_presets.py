@@ -6,6 +6,7 @@ import json
 
 import pytest
 from terrainav.core.errors import InvalidInput
+from terrainav.core.mission.cameras import camera_named
 from terrainav.core.mission.mission import flat_fields
 from terrainav.core.mission.presets import PRESET_NAMES, PRESETS
 from terrainav.core.mission.settings import build_mission, resolve
@@ -26,7 +27,23 @@ def test_a_mission_has_every_value_of_its_preset(preset):
     # All else is as it is without a preset.
     plain = asked()
     changed = {one.name for part, one in parts_of(mission) if getattr(part, one.name) != dict_of(plain)[one.name]}
-    assert changed <= set(preset.values)
+    assert changed <= {*preset.values, *(["image_px"] if preset.camera else ())}
+
+
+@pytest.mark.parametrize(
+    ("given", "image_px"),
+    [
+        ({}, 5280),
+        ({"camera": "DJI Mini 2"}, 4000),
+        ({"fov": "60"}, 640),
+        ({"aspect_ratio": ["3", "2"]}, 640),
+        ({"image_px": "1000"}, 1000),
+    ],
+)
+def test_a_survey_is_of_a_real_camera_unless_one_is_asked_for(given, image_px):
+    mission = asked(preset="mapping", **given)
+    assert mission.pixels.image_px == image_px
+    assert (mission.camera == camera_named("DJI Mavic 3E").camera) is (not given)
 
 
 def parts_of(mission):
