@@ -101,9 +101,11 @@ class Messages(QObject):
         """Show information."""
         self._show(text, Qgis.MessageLevel.Info, action)
 
-    def success(self, text: str, action: tuple[str, Callable[[], None]] | None = None) -> None:
-        """Report that a request was carried out."""
-        self._show(text, Qgis.MessageLevel.Success, action)
+    def success(
+        self, text: str, action: tuple[str, Callable[[], None]] | None = None, details: str = "", lasts: bool = False
+    ) -> None:
+        """Report that a request was carried out; the message goes by itself unless it ``lasts``."""
+        self._show(text, Qgis.MessageLevel.Success, action, details, lasts=lasts)
 
     def warning(
         self,

@@ -112,6 +112,9 @@ class Settings:
     plan_ending = _Text()
     """File ending of the latest plan export; empty if there is none yet."""
 
+    plan_folder = _Text()
+    """Folder of the latest plan export; empty if there is none yet."""
+
     placeholders = _Text()
     """SHA-256 of tiles that count as missing, separated by spaces."""
 

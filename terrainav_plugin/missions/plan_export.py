@@ -117,7 +117,8 @@ class PlanExport(QObject):
             )
             return
         settings, known = Settings(), formats()
-        folder = settings.missions
+        last = Path(settings.plan_folder)
+        folder = last if settings.plan_folder and is_folder(last) else settings.missions
         name = self._mission_folder().name or tr("mission")
         first = _FOR_DRONES if self._drone_chosen() else next(iter(known))
         usual = settings.plan_ending if settings.plan_ending in known else first
@@ -135,7 +136,7 @@ class PlanExport(QObject):
         # The dialog has asked about the name that it showed; ask again if the name has received another ending.
         if path != Path(chosen) and exists(path) and not self._may_replace((path,)):
             return
-        settings.plan_ending = _ending(path.name) or usual
+        settings.plan_ending, settings.plan_folder = _ending(path.name) or usual, str(path.parent)
         refusal = tr("Nothing to export yet.")
         self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
 
@@ -189,7 +190,8 @@ class PlanExport(QObject):
         if notes:
             lines = [translate(note) for note in notes]
             said = " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines)
-            self._messages.warning(f"{text} {said}", "\n".join(lines), open_folder)
+            # Until the user has read what the file does not hold, and closes it.
+            self._messages.success(f"{text} {said}", open_folder, "\n".join(lines), lasts=True)
         else:
             self._messages.success(text, open_folder)
 

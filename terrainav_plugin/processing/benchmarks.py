@@ -592,6 +592,8 @@ def _load(
     for role, (file, options, title) in {REFERENCE: (mosaic, "", tr("Reference")), **layers}.items():
         if not is_loadable(file, run.feedback):
             continue
-        details = QgsProcessingContext.LayerDetails(title, context.project(), title)
+        # The layers of several benchmarks are in one project.
+        name = f"{benchmark.folder.name}: {title}"
+        details = QgsProcessingContext.LayerDetails(name, context.project(), name)
         details.setPostProcessor(group_post_processor(benchmark.folder, role, known))
         context.addLayerToLoadOnCompletion(f"{file}{options}", details)

@@ -282,8 +282,8 @@ def test_errors_are_on_the_map_in_the_group_of_the_benchmark(
     (group,) = QgsProject.instance().layerTreeRoot().children()
     assert group.name() == "TerrAInav: fields"
     *errors, reference = (node.layer() for node in group.children())
-    assert {layer.name() for layer in errors} == {"Errors of mine, air", "Errors of mine, map"}
-    assert (reference.name(), reference.isValid()) == ("Reference", True)
+    assert {layer.name() for layer in errors} == {"fields: Errors of mine, air", "fields: Errors of mine, map"}
+    assert (reference.name(), reference.isValid()) == ("fields: Reference", True)
     assert len(QgsProject.instance().mapLayers()) == 3
     shown, lengths = {}, {}
     for layer in errors:
@@ -322,7 +322,8 @@ def test_layers_of_the_user_s_own_stay_as_they_are(made, tmp_path, without_matpl
     run_and_load("scorebenchmark", BENCHMARK=str(made), METHOD="middle", FOLDER=str(tmp_path / "out"))
     group, mine = project.layerTreeRoot().children()
     assert mine.layer() is own
-    assert {node.name() for node in group.children()} == {"Errors of middle, air", "Errors of middle, map"}
+    names = {f"{made.name}: Errors of middle, {imagery}" for imagery in ("air", "map")}
+    assert {node.name() for node in group.children()} == names
 
 
 # --- from toolbar and menu
@@ -389,8 +390,9 @@ def test_a_benchmark_that_is_made_is_offered_to_be_scored(desk, made, tmp_path, 
     dialog.runButton().click()
     desk.wait(lambda: bool(ended))
     assert ended[0][0]
-    assert set(desk.layer_names()) == {"Errors of middle, air", "Errors of middle, map", "Reference"}
-    assert desk.layer("Reference").isValid()
+    names = {f"{made.name}: {title}" for title in ("Errors of middle, air", "Errors of middle, map", "Reference")}
+    assert set(desk.layer_names()) == names
+    assert desk.layer(f"{made.name}: Reference").isValid()
     windows.close()
     settle()
     assert sip.isdeleted(dialog)

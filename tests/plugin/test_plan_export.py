@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from osgeo import ogr
+from qgis.core import Qgis
 from qgis.PyQt.QtWidgets import QFileDialog, QMessageBox
 from terrainav.terrainav_plugin.settings import Settings
 
@@ -80,6 +81,32 @@ def test_name_gets_the_ending_of_the_kind(chosen, kind, written):
     from terrainav.terrainav_plugin.missions.plan_export import add_ending
 
     assert add_ending(Path(chosen), kind) == Path(written)
+
+
+def test_dialog_opens_where_the_last_plan_went_and_the_message_of_a_success_is_green(desk, tmp_path, monkeypatch):
+    opened = []
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+
+    def choose(_parent, _title, path, _filters, kind):
+        opened.append((Path(path).parent, kind))
+        return (str(elsewhere / "survey.plan"), kind) if len(opened) == 1 else ("", "")
+
+    Settings().plan_ending, Settings().plan_folder = ".plan", ""
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", choose)
+    desk.enter_small_mission()
+    desk.wait_planned()
+    export(desk)
+    (item,) = (item for item in desk.iface.messageBar().items() if "Plan exported" in item.text())
+    assert item.level() == Qgis.MessageLevel.Success
+    # What the file does not hold stays until it is read.
+    assert item.duration() == 0
+    export(desk)
+    assert opened[1] == (elsewhere, "QGroundControl waypoints (*.plan)")
+    elsewhere.joinpath("survey.plan").unlink()
+    elsewhere.rmdir()
+    export(desk)
+    assert opened[2][0] == opened[0][0]
 
 
 def test_where_a_drone_is_chosen_its_file_is_offered_first(desk, tmp_path, monkeypatch):
