@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from qgis.core import QgsSettings
+from qgis.core import QgsApplication, QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, QSize, Qt, QTimer
-from qgis.PyQt.QtGui import QColor, QShowEvent
+from qgis.PyQt.QtGui import QColor, QIcon, QShowEvent
 from qgis.PyQt.QtWidgets import QFrame, QScrollArea, QStyle, QTabWidget, QVBoxLayout, QWidget
 
 from ..tasks import single_shot
@@ -32,6 +32,7 @@ class Pages(QTabWidget):
         # Without scroll buttons, as every tab is to be seen.
         self.setUsesScrollButtons(False)
         self.setElideMode(Qt.TextElideMode.ElideNone)
+        self.setIconSize(QSize(12, 12))
         for number, (title, tip, boxes) in enumerate(pages):
             contents = QWidget()
             layout = QVBoxLayout(contents)
@@ -76,11 +77,14 @@ class Pages(QTabWidget):
                 page.ensureWidgetVisible(widget)
 
     def mark(self, wrong: Sequence[QWidget]) -> None:
-        """Colour the tabs that hold a field with an invalid value."""
+        """Mark the tabs that hold a field with an invalid value."""
+        warning = QgsApplication.getThemeIcon("/mIconWarning.svg")
         for number, page in enumerate(self.pages()):
             is_wrong = any(page.isAncestorOf(widget) for widget in wrong)
             # An invalid colour stands for the theme's.
             self.tabBar().setTabTextColor(number, QColor(WRONG_COLOUR) if is_wrong else QColor())
+            # Dark themes of QGIS have colours of their own for tabs.
+            self.setTabIcon(number, warning if is_wrong else QIcon())
 
     def minimumSizeHint(self) -> QSize:
         """All tabs, the widest page, and a few lines of the page."""

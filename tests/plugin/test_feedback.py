@@ -172,6 +172,7 @@ def test_the_link_leads_to_the_first_wrong_field(desk, name, value, number):
     bar = desk.form.pages.tabBar()
     colours = [bar.tabTextColor(at).name().upper() for at in range(bar.count())]
     assert [at for at, colour in enumerate(colours) if colour == WRONG_COLOUR] == [number]
+    assert [at for at in range(bar.count()) if not bar.tabIcon(at).isNull()] == [number]
 
 
 def test_the_links_beside_the_size_do_what_they_say(desk):
