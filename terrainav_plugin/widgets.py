@@ -15,7 +15,7 @@ from qgis.gui import (
     QgsDoubleSpinBox,
     QgsFileWidget,
 )
-from qgis.PyQt.QtCore import QLocale, QPoint, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QPoint, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import (
     QColor,
     QFocusEvent,
@@ -360,6 +360,8 @@ class NumberBox(QgsDoubleSpinBox):
         #: Text checked last, and the result, as forms read all their entries at every key.
         self._checked_features: tuple[str, str | None] = ("", None)
         self._is_typed_into = True
+        # A comma is a decimal sign in every entry, so no number is shown with commas between thousands.
+        self.setGroupSeparatorShown(False)
         self.lineEdit().textChanged.connect(self._judge)
         self.editingFinished.connect(self.say_problem)
 
@@ -390,6 +392,8 @@ class NumberBox(QgsDoubleSpinBox):
             return tr("“{text}”: must be a number").format(text=text)
         if not self.decimals() and value != int(value):
             return tr("“{text}”: must be a whole number").format(text=text)
+        if self._vanishes(value):
+            return tr("“{text}”: is too small").format(text=text)
         least, most = (localized(f"{end:.15g}") for end in (self.minimum(), self.maximum()))
         if self.is_optional:
             right = tr("“{text}”: must be above {least} and at most {most}, or empty")
@@ -410,6 +414,11 @@ class NumberBox(QgsDoubleSpinBox):
         line = self.lineEdit()
         before = 0 if line.text().startswith(self.prefix()) else len(self.prefix())
         return QValidator.State.Acceptable, line.cursorPosition() + before
+
+    def setSuffix(self, suffix: str) -> None:
+        """Set the unit; Qt would also write the number anew, amid what is being typed."""
+        if suffix != self.suffix():
+            super().setSuffix(suffix)
 
     def setValue(self, value: float) -> None:
         """Set a number, in place of any text typed."""
@@ -466,25 +475,28 @@ class NumberBox(QgsDoubleSpinBox):
         if self.is_optional and text in ("", self.specialValueText()):
             return self.minimum()
         value = self._number(text)
-        if value is not None and self.decimals():
+        if value is None or self._vanishes(value):
+            return None
+        if self.decimals():
             # Digits that are not shown do not count for the range.
             value = round(value, self.decimals())
-        if value is None or not self.minimum() <= value <= self.maximum():
+        if not self.minimum() <= value <= self.maximum() or math.copysign(1.0, value) < 0.0 <= self.minimum():
             return None
         left_out = self.is_optional and value == self.minimum()
         return None if left_out or (not self.decimals() and value != int(value)) else value
 
-    def _number(self, text: str) -> float | None:
+    def _vanishes(self, value: float) -> bool:
+        """Whether a number would become 0 in the decimals of the box."""
+        return bool(self.decimals()) and value != 0.0 == round(value, self.decimals())
+
+    @staticmethod
+    def _number(text: str) -> float | None:
         """Number of a text, or the value of a formula; None if it is neither."""
-        if not self.locale().numberOptions() & QLocale.NumberOption.OmitGroupSeparator:
-            # The locale also reads group separators, which QGIS shows.
-            value, is_number = self.locale().toDouble(text)
-            if is_number:
-                return value
         try:
             return plain_number(text)
         except ValueError:
-            return _result(text) if _SUM.fullmatch(text) else None
+            plain = text.replace(",", ".")
+            return _result(plain) if _SUM.fullmatch(plain) else None
 
     @contextmanager
     def _entering(self) -> Iterator[None]:

@@ -2891,6 +2891,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>aspect ratio “{text}”: must be from {least} to {most}</source>
+        <translation>relación de aspecto «{text}»: debe estar entre {least} y {most}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>azimuth</source>
         <translation>acimut</translation>
     </message>
@@ -2968,6 +2973,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>{what} “{text}”: is too large</source>
         <translation>{what} «{text}»: es demasiado grande</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: is too small</source>
+        <translation>{what} «{text}»: es demasiado pequeño</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: minutes and seconds must be below 60</source>
+        <translation>{what} «{text}»: los minutos y segundos deben ser menores que 60</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -7193,6 +7208,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/units.py"/>
         <source>{count} sq mi</source>
         <translation>{count} mi²</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: is too small</source>
+        <translation>«{text}»: es demasiado pequeño</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/widgets.py"/>

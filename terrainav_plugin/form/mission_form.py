@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import fields, replace
 from functools import partial
@@ -26,6 +27,7 @@ from .state import (
 from .text import (
     aspect_text,
     exact_degrees_text,
+    has_minutes,
     looks_like_coordinates,
     parse_aspect,
     parse_place,
@@ -46,6 +48,8 @@ _ENTRIES = {
     "speed_m_per_s": "wind_speed_m_per_s",
     "from_deg": "wind_from_deg",
 }
+#: Least and greatest aspect ratio: others are slips, for which the planner would blame the height.
+_ASPECTS = 0.001, 1000.0
 #: Key of errors that concern no entry of the panel.
 _BEYOND = "more"
 
@@ -161,10 +165,13 @@ def unread_text(name: str, text: str) -> str:
             field.settled(value / field.unit.times)
         except InvalidInput as wrong:
             return translate(wrong)
-    if value < 0.0:
+    # -0 too: a sign is not left out in silence.
+    if math.copysign(1.0, value) < 0.0:
         return tr("{what} “{text}”: must be 0 or more").format(what=what, text=text)
-    if value != int(value):
+    if value != int(value) and (name.startswith("resize_") or (field is not None and field.kind is int)):
         return tr("{what} “{text}”: must be a whole number").format(what=what, text=text)
+    if 0.0 < value < 1.0:
+        return tr("{what} “{text}”: is too small").format(what=what, text=text)
     return tr("{what} “{text}”: is too large").format(what=what, text=text)
 
 
@@ -255,6 +262,10 @@ def _camera(state: FormState, checks: _Checks) -> Any:
     ratio = checks.number("aspect", tr("aspect ratio"), state.aspect, parse_aspect)
     if ratio is not None:
         checks("aspect", lambda: Camera(aspect_ratio=ratio))
+        if ratio > 0.0 and not _ASPECTS[0] <= ratio <= _ASPECTS[1]:
+            checks.messages["aspect"] = tr("aspect ratio “{text}”: must be from {least} to {most}").format(
+                text=state.aspect.strip(), least=number_text(_ASPECTS[0], "g"), most=number_text(_ASPECTS[1], "g")
+            )
     sound = ratio is not None and "aspect" not in checks.messages
     field = {DIAGONAL: "fov_deg", SENSOR: "focal_length_mm"}.get(state.fov_mode, "fov_typed_deg")
     if state.fov_mode == SENSOR:
@@ -285,6 +296,10 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
         if value is None:
             if looks_like_coordinates(text):
                 checks.messages[field] = tr("coordinates are read when you leave the field")
+            elif has_minutes(text):
+                checks.messages[field] = tr("{what} “{text}”: minutes and seconds must be below 60").format(
+                    what=what, text=text.strip()
+                )
             continue
         edges[field] = value
         lat, lon = (value, 0.0) if field in ("north", "south") else (0.0, value)

@@ -23,6 +23,7 @@ _NUMBER = re.compile(r"[-+\u2212]?\d+(\.\d*)?")
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
 #: Letters of the hemispheres of latitudes and longitudes.
 LATITUDE, LONGITUDE = "NS", "EW"
+_LETTERS = LATITUDE + LONGITUDE + (LATITUDE + LONGITUDE).lower()
 #: Degrees, minutes and optional seconds, separated by their signs or spaces. All repetitions are bounded, so that
 #: matching a long text takes linear time.
 _SEXAGESIMAL = (
@@ -99,17 +100,10 @@ def _place(lat: str, lon: str) -> tuple[float, float] | None:
         return None
 
 
-def is_angle(text: str) -> bool:
-    """Whether a text is one angle: degrees, or degrees and minutes."""
-    return _is_angle(text, LATITUDE) or _is_angle(text, LONGITUDE)
-
-
-def _is_angle(text: str, letters: str) -> bool:
-    try:
-        parse_degrees(text, letters)
-    except ValueError:
-        return False
-    return True
+def has_minutes(text: str) -> bool:
+    """Whether a text has the form of one angle in degrees and minutes, though these may be 60 or more."""
+    plain = " ".join(text.replace("\u2212", "-").split())
+    return _ANGLE.fullmatch(plain.strip(_LETTERS).strip()) is not None
 
 
 def to_decimal_degrees(text: str) -> str:
@@ -224,15 +218,15 @@ def as_written(text: str) -> str:
 def to_decimal_points(text: str) -> str:
     """Text of numbers with decimal commas replaced by points.
 
-    Commas are replaced if the user's locale has decimal commas, the text has no point, and spaces, semicolons or
-    underscores separate the numbers: ``35,14 -89,9`` and ``35,14, -89,9`` are two numbers.
+    Commas between digits are replaced if the text has no point, and spaces, semicolons or underscores separate the
+    numbers: ``35,14 -89,9`` and ``35,14, -89,9`` are two numbers, and ``35,14`` is one.
 
     Raises
     ------
     ValueError
         The commas are ambiguous: ``35,14,-89,9``.
     """
-    if decimal_sign() != "," or "." in text:
+    if "." in text:
         return text
     for run in _RUN.findall(text):
         if run.strip(",").count(",") > 1:
@@ -242,7 +236,7 @@ def to_decimal_points(text: str) -> str:
 
 def looks_like_coordinates(text: str) -> bool:
     """Whether a text in one field consists of several numbers, as pasted coordinates do, and is not one angle."""
-    if is_angle(text):
+    if has_minutes(text):
         return False
     if len(_LETTERED.findall(text)) > 1:
         return True

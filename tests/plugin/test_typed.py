@@ -6,7 +6,7 @@ import random
 from dataclasses import replace
 
 import pytest
-from qgis.PyQt.QtCore import QLocale, Qt
+from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QLabel, QLineEdit
 from terrainav.core.errors import InvalidInput, TerrAInavError
@@ -212,24 +212,6 @@ def test_a_box_without_ground_is_refused_in_words(desk, entries, field, words):
 
 
 # --- numbers
-
-
-@pytest.mark.parametrize("country", ["en_US", "es_ES"])
-@pytest.mark.parametrize("grouped", [False, True])
-def test_a_decimal_comma_is_the_same_in_every_entry(desk, country, grouped):
-    before, locale = QLocale(), QLocale(country)
-    omit = QLocale.NumberOption.OmitGroupSeparator
-    locale.setNumberOptions(QLocale.NumberOption.DefaultNumberOptions if grouped else omit)
-    QLocale.setDefault(locale)
-    try:
-        for text in ("12,5", "12.5"):
-            box = spin("tilt", -1e6, 1e6, 2, " °", "")
-            box.lineEdit().selectAll()
-            QTest.keyClicks(box.lineEdit(), text)
-            assert (box.value(), box.problem()) == (12.5, "")
-            assert parse_degrees(text, LATITUDE) == 12.5
-    finally:
-        QLocale.setDefault(before)
 
 
 @pytest.mark.parametrize(
