@@ -20,8 +20,8 @@ from ..dataset.table import unix_seconds
 from ..errors import InvalidInput
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
+from ..mission.flight.deviates import normal, uniform
 from ..mission.flight.legs import intervals_s, legs
-from ..mission.flight.motion import normal, uniform
 from ..mission.mission import Mission
 from ..mission.parts import Flight
 from ..storage.files import csv_bytes, json_bytes, write_whole

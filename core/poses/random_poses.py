@@ -19,7 +19,7 @@ from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..limits import MAX_POSES
 from ..mission.areas.area import ANGLES, Box, Points, Polygon, Polygons, area_contains, check_agl, check_area
-from ..mission.flight.motion import normal, uniform
+from ..mission.flight.deviates import normal, uniform
 from ..numbers import real_number
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 

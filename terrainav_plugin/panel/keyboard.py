@@ -209,7 +209,7 @@ class Letters(QObject):
             return super().eventFilter(watched, event)
         watched.removeEventFilter(self)
         act, self._pressed = self._pressed, None
-        if event.modifiers() != Qt.KeyboardModifier.AltModifier:
+        if not isinstance(event, QKeyEvent) or event.modifiers() != Qt.KeyboardModifier.AltModifier:
             return super().eventFilter(watched, event)
         act()
         return True

@@ -96,7 +96,7 @@ class Bumps:
         left, top = int(u.min() * world) - 2, int(v.min() * world) - 2
         i, j = np.indices([min(int(np.ptp(at) * world) + 6, MOST_CELLS) for at in (v, u)])
         heights = self._high_m * ((7 * i + 13 * j) % 5) / 4.0
-        return Surface(grid, zoom, left, top, np.where((i * j) % 97 == 96, np.nan, heights))
+        return Surface(grid, zoom, left, top, np.where((i * j) % 97 == 96, np.nan, heights).astype(np.float32))
 
     def end_m(self, lat_deg: float, lon_deg: float) -> float:
         """Distance beyond which there is no ground."""

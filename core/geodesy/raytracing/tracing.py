@@ -454,5 +454,6 @@ def compile_code() -> None:
     hits = surface.image_hits(paths, down, (np.zeros((10, 10)), np.full((10, 10), farthest)), 0.1)
     seen = Seen(surface, hits, paths.forms[0][:2, :2], down)
     seen.steep_faces()
+    surface.first_hits(paths.start, paths.coefficients(down.directions(np.array([5.0]), np.array([5.0]))), np.ones(1))
     samples, _ = seen.samples(lon, grid, (0, zoom))
     View(10, 10, grid, (), tuple(samples), None, None, 0.0).tiles(lon)

@@ -9,6 +9,7 @@ import numpy as np
 from ...arrays import Floats, NDArray
 from ...errors import InvalidInput
 from ...units import M_PER_FT
+from .deviates import normal
 from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, output_matrix
 from .wind import Wind
 
@@ -202,24 +203,3 @@ def _kinds(height_m: Floats, interval_s: Floats) -> tuple[Ints, Ints]:
         kinds.append(start + met[:most])
         start, count = start + end, count + min(len(met), most)
     return np.concatenate(kinds), which
-
-
-def normal(bits: np.random.PCG64, count: int, size: int) -> Floats:
-    """Independent standard normal deviates (count, size), by Box and Muller's method.
-
-    Made from the generator's raw words, which are the same in every version of numpy; its normal deviates may change.
-    Every row takes the same number of words, so that a flight does not depend on how it is divided.
-    """
-    pairs = (size + 1) // 2
-    even = uniform(bits, 2 * count * pairs).reshape(count, 2, pairs)
-    radius = np.sqrt(-2.0 * np.log(1.0 - even[:, 0]))  # logarithms of 2^-53 to 1, exactly
-    angle = (2.0 * np.pi) * even[:, 1]
-    normal: Floats = np.concatenate([radius * np.cos(angle), radius * np.sin(angle)], axis=1)[:, :size]
-    return normal
-
-
-def uniform(bits: np.random.PCG64, count: int) -> Floats:
-    """Uniform numbers (count,) in [0, 1), of 53 bits of a raw word each."""
-    words = np.asarray(bits.random_raw(count), np.uint64)
-    numbers: Floats = (words >> np.uint64(11)) * 2.0**-53
-    return numbers

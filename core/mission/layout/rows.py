@@ -15,8 +15,8 @@ from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ..areas.area import Area, Box, Points, Polygon, touching
+from ..flight.deviates import uniform
 from ..flight.legs import legs
-from ..flight.motion import uniform
 from ..mission import Mission
 from ..parts import EASTWARD_DEG, NORTH, ONE_WAY, TRACK
 
