@@ -219,6 +219,8 @@ def desk(
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
     desk = Desk(plugin, iface, qtbot, tmp_path / "mission")
     desk.session.settings.backgrounds_folder = str(tmp_path / "backgrounds")
+    for name in ("camera", "plan_folder", "plan_ending", "forgotten"):
+        setattr(desk.session.settings, name, "")
     desk.session.show_dock(True)
     desk.form.pages.setCurrentIndex(0)
     desk.form.set_state(FormState(folder=str(desk.folder)))

@@ -400,6 +400,7 @@ def test_zoom_is_one_of_the_source_s_own(desk, tmp_path):
     planned = draw(desk, POLE, 200.0).plan
     native, pixels = planned.grid.native_zoom, desk.form.pixels
     assert native < desk.session.state().zoom
+    desk.show(pixels)
     pixels.unfold()
     note = pixels.findChild(QLabel, "zooms")
     assert not note.isVisibleTo(pixels)

@@ -10,7 +10,7 @@ from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import QDate, QDateTime, QEvent, QLocale, Qt, QTime
 from qgis.PyQt.QtGui import QFocusEvent
 from qgis.PyQt.QtTest import QTest
-from qgis.PyQt.QtWidgets import QApplication, QGroupBox
+from qgis.PyQt.QtWidgets import QApplication, QComboBox, QGroupBox
 from terrainav.core.mission.parts import Flight
 from terrainav.core.mission.presets import PRESETS
 from terrainav.core.mission.settings import build_mission, resolve
@@ -380,3 +380,18 @@ def test_what_is_shown_short_stays_whole_until_it_is_edited(desk):
     assert desk.session.state().north == north
     desk.type_text(desk.form.edges["north"], "35.1454915")
     assert desk.session.state().north == "35.1454915"
+
+
+def test_a_section_unfolded_on_a_tab_that_is_not_seen_shows_its_entries(desk):
+    pixels, entry = desk.form.pixels, desk.form.pixels.findChild(QComboBox, "resolution")
+    desk.show(pixels)
+    pixels.setCollapsed(False)
+    pixels.setCollapsed(True)
+    desk.show(desk.form.area)
+    pixels.unfold()
+    desk.show(pixels)
+    desk.wait(entry.isVisible)
+    desk.show(desk.form.area)
+    pixels.setCollapsed(True)
+    desk.show(pixels)
+    desk.wait(lambda: not entry.isVisible())
