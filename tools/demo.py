@@ -65,7 +65,10 @@ def enter_mission(session: Session) -> None:
 
 def show_background(session: Session) -> None:
     """Show the imagery of the source below the mission, and zoom the map to the mission."""
-    click(session.dock.form.show_on_map)
+    form = session.dock.form
+    form.pages.show_field(form.show_on_map)
+    click(form.show_on_map)
+    form.pages.setCurrentIndex(0)
     wait("drawing the background", lambda: "Synthetic (offline)" in layer_names())
     # The preview draws the part that the map shows at that time.
     wait_until_drawn()
