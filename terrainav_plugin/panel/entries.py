@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
 from qgis.PyQt.QtCore import QSignalBlocker, pyqtSignal
-from qgis.PyQt.QtGui import QMouseEvent, QShowEvent
+from qgis.PyQt.QtGui import QMouseEvent
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 from ...core.mission.parts import NORTH, TRACK
@@ -167,21 +167,6 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         self._access: dict[str, _Access] = {}
         self._marks = marks
         self._form = form_layout(self)
-        self._folded_unseen = False
-
-    def setCollapsed(self, folded: bool) -> None:
-        """Fold or unfold the group; one that is not seen is drawn so when it is shown."""
-        super().setCollapsed(folded)
-        self._folded_unseen |= not self.isVisible()
-
-    def showEvent(self, event: QShowEvent) -> None:
-        """Draw what was folded or unfolded on a tab that was not seen: QGIS would leave its entries as they were."""
-        super().showEvent(event)
-        if self._folded_unseen:
-            self._folded_unseen, folded = False, self.isCollapsed()
-            with QSignalBlocker(self):
-                super().setCollapsed(not folded)
-                super().setCollapsed(folded)
 
     def values(self) -> dict[str, Any]:
         """Return the values of the entries, by field."""
