@@ -432,19 +432,6 @@ class Benchmark:
         counts = Counter(self.queries.part)
         return {part: counts[part] for part in (*PARTS, GAP)} if any(counts) else {}
 
-    @property
-    def warning(self) -> Message | None:
-        """Advice if a part has no queries, else None."""
-        lacking = [part for part in PARTS if self.queries_of_parts.get(part) == 0]
-        if not lacking:
-            return None
-        return Message(
-            "no queries are in {0}; choose other shares{1}, a smaller gap{2}, or a larger area",
-            ", ".join(lacking),
-            OptionName("shares").in_brackets,
-            OptionName("gap").in_brackets,
-        )
-
     def gallery(self, part: str) -> Numbers:
         """Rows of the tiles among which a part's queries are searched; all tiles if ``part`` is empty."""
         parts = self.references.part

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Flags
 from ..capture.begun import check_settings
 from ..capture.holding import locked
 from ..capture.making import DEFAULT_CONNECTIONS
@@ -218,19 +219,20 @@ def _parts(
     sets.update((tiles_folder(width), tiles) for width, tiles in planned.tiles.items())
     captures = {name: captured(path / name, one) for name, one in sets.items()}
     boxes, names = _ground(path, captures)
-    part, _, _ = split_blocks(boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m))
+    is_query = np.array([name.startswith(f"{QUERIES_FOLDER}/") for name in names], np.bool_)
+    seed = settings.queries.imagery.seed
+    part, _, _ = split_blocks(boxes, names, shares, seed, gap_m=float(settings.gap_m), counted=is_query)
     of_image = dict(zip(names, part))
     found = {name: [of_image.get(f"{name}/{stem}", GAP) for stem in one.names] for name, one in sets.items()}
-    hint = _hint(planned, boxes, names, shares, part)
+    hint = _hint(planned, boxes, names, shares, part, is_query)
     return found.pop(f"{QUERIES_FOLDER}/{first}"), found, hint
 
 
 def _hint(
-    planned: BenchmarkPlan, boxes: GroundBoxes, names: list[str], shares: Shares, part: list[str]
+    planned: BenchmarkPlan, boxes: GroundBoxes, names: list[str], shares: Shares, part: list[str], is_query: Flags
 ) -> Message | None:
     """Hint at settings that leave fewer queries in the gap; None unless more than a tenth of them are there."""
     settings = planned.settings
-    is_query = np.array([name.startswith(f"{QUERIES_FOLDER}/") for name in names], np.bool_)
     lost, count = int(np.count_nonzero(is_query & (np.array(part) == GAP))), int(np.count_nonzero(is_query))
     if lost <= 0.1 * count:
         return None
@@ -243,7 +245,8 @@ def _hint(
     found = []
     for words, other_shares, other_gap_m in ways:
         with contextlib.suppress(InvalidInput):
-            other, _, _ = split_blocks(boxes, names, other_shares, settings.queries.imagery.seed, gap_m=other_gap_m)
+            seed = settings.queries.imagery.seed
+            other, _, _ = split_blocks(boxes, names, other_shares, seed, gap_m=other_gap_m, counted=is_query)
             counts = Counter(np.array(other)[is_query].tolist())
             every_part = all(counts[name] for name, share in zip(PARTS, other_shares) if share > 0.0)
             if counts[GAP] < lost and every_part:

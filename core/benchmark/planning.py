@@ -11,11 +11,15 @@ import numpy as np
 
 from ..arrays import NDArray
 from ..dataset.folder import SHARES
-from ..errors import InvalidInput
+from ..dataset.ground import GroundBoxes, largest_side_m, trace_boxes
+from ..dataset.labels import middle_position
+from ..dataset.split import checked_shares, split_blocks
+from ..dataset.table import GAP
+from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.frames import Windows, window_centres
-from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lon_to_u, wrap_lon_deg
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..mission.areas.area import Box, Points
 from ..mission.imageries import NamedImagery
@@ -170,7 +174,8 @@ def plan_benchmark(
     Raises
     ------
     InvalidInput
-        The queries cannot be flown or see the horizon, or the reference exceeds the size of an image.
+        The queries cannot be flown or see the horizon, the reference exceeds the size of an image, or most queries
+        would be in no part.
     """
     mission = settings.queries.replace(frame="camera")
 
@@ -202,7 +207,61 @@ def plan_benchmark(
     gsd_m = first.resolution.delivered_m_per_px
     mosaic = _mosaic(settings, box, gsd_m, grids[str(settings.reference)])
     tiles = {width: _tiles(settings, mosaic, width) for width in widths}
+    if settings.split == CROSS_AREA:
+        _check_parts(settings, first, tiles)
     return BenchmarkPlan(settings, queries, mosaic, tiles, left_out)
+
+
+def _check_parts(settings: BenchmarkSettings, queries: Plan, tiles: Mapping[float, Plan]) -> None:
+    """Raise InvalidInput if a part would be empty or, without a gap, most queries would be in no part."""
+    shares = checked_shares(settings.shares)
+    _, middle_lon = middle_position(*queries.frame_centres)
+    middle_u = float(lon_to_u(np.array(middle_lon)))
+    poses, corners = queries.poses, queries.corners
+    boxes = [
+        trace_boxes(
+            poses.lat_deg, poses.lon_deg, poses.agl_m, np.stack([corners.lat_deg, corners.lon_deg], axis=2), middle_u
+        ),
+        *(_tile_boxes(one, middle_u) for one in tiles.values()),
+    ]
+    # As when it is made: the order of the blocks depends on the names.
+    folders = {f"{QUERIES_FOLDER}/{settings.imageries[0].name}": queries}
+    folders.update((tiles_folder(width), one) for width, one in tiles.items())
+    names = [f"{folder}/{name}" for folder, one in folders.items() for name in one.names]
+    ground = GroundBoxes(*(np.concatenate(edges) for edges in zip(*boxes)))
+    known, is_query = ground.known, np.arange(len(names)) < len(queries)
+    ground, is_query = ground.take(known), is_query[known]
+    named = [name for name, is_known in zip(names, known.tolist()) if is_known]
+    gap_m, seed = float(settings.gap_m), settings.queries.imagery.seed
+    wrong: InvalidInput | None = None
+    try:
+        part, _, _ = split_blocks(ground, named, shares, seed, gap_m=gap_m, counted=is_query)
+        if gap_m > 0.0 or part[: len(queries)].count(GAP) <= len(queries) / 2:
+            return
+    except InvalidInput as refused:
+        wrong = refused
+    widest_m = largest_side_m(ground)
+    # Of strips, each border between two takes the queries that a query or tile of the other reaches.
+    borders = sum(share > 0.0 for share in shares) - 1
+    long_m = widest_m * (1.0 + 2.0 * borders) + 2.0 * borders * gap_m
+    raise InvalidInput(
+        "split cross-area: most of {0:,} queries would be in no part, or a part would be empty, as queries and tiles "
+        "up to {1:,.0f} m wide show the same ground",
+        len(queries),
+        widest_m,
+        remedy=Message("choose a smaller gap, an area {0:,.0f} m long or more, or split same-area", long_m)
+        if gap_m > 0.0
+        else Message("take an area {0:,.0f} m long or more, or split same-area", long_m),
+    ) from wrong
+
+
+def _tile_boxes(tiles: Plan, middle_u: float) -> GroundBoxes:
+    """Boxes of the ground of tiles; neighbours that meet share nothing by rounding."""
+    lat, lon = tiles.corners.lat_deg, tiles.corners.lon_deg
+    u = lon_to_u(lon[:, :1] + wrap_lon_deg(lon - lon[:, :1]))
+    u = u - np.round(u[:, :1] - middle_u)
+    across, up = np.ptp(u, axis=1) * 1e-6, np.ptp(lat, axis=1) * 1e-6
+    return GroundBoxes(u.min(axis=1) + across, u.max(axis=1) - across, lat.min(axis=1) + up, lat.max(axis=1) - up)
 
 
 def _inside(

@@ -155,9 +155,8 @@ def _print_plan(planned: BenchmarkPlan) -> None:
 
 def _print_made(made: BenchmarkResult, as_json: bool) -> None:
     total = made.total
-    warning = None if made.benchmark is None else made.benchmark.warning
-    for words in filter(None, (warning, made.hint)):
-        print(f"terrainav: {words}", file=sys.stderr)
+    if made.hint is not None:
+        print(f"terrainav: {made.hint}", file=sys.stderr)
     if as_json:
         print(json.dumps({**result_document(total, "folder_in"), **_counts(made.benchmark)}, indent=1))
         return

@@ -192,13 +192,13 @@ def _camera_boxes(table: Table, rows: NDArray[np.intp], plan: Path, middle_u: fl
     for start in range(0, len(rows), _FRAMES_AT_ONCE):
         some = slice(start, start + _FRAMES_AT_ONCE)
         at = rows[some]
-        edges[:, some] = _trace_boxes(
+        edges[:, some] = trace_boxes(
             table.pose_lat_deg[at], table.pose_lon_deg[at], table.agl_m[at], corners[some], middle_u
         )
     return GroundBoxes(*edges)
 
 
-def _trace_boxes(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, middle_u: float) -> GroundBoxes:
+def trace_boxes(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, middle_u: float) -> GroundBoxes:
     """Boxes of the ground of cameras (n,) between corners (n, 4, 2) in latitude and longitude; unknown if NaN."""
     lat, agl = lat_deg[:, np.newaxis], agl_m[:, np.newaxis]
     towards = sight_lines(lat, agl, corners[..., 0], wrap_lon_deg(corners[..., 1] - lon_deg[:, np.newaxis]))
@@ -324,9 +324,12 @@ def largest_side_m(boxes: GroundBoxes) -> float:
     return float(max(width_m.max(), ((boxes.north_deg - boxes.south_deg) * _DEGREE_M).max()))
 
 
-def assign_blocks(boxes: GroundBoxes, block_m: float) -> Numbers:
-    """Number (n,) of the block that holds the centre of each box; blocks are at least about ``block_m`` wide."""
-    lat, u = (boxes.south_deg + boxes.north_deg) / 2.0, (boxes.west_u + boxes.east_u) / 2.0
+def assign_blocks(boxes: GroundBoxes, block_m: float, counted: Flags) -> Numbers:
+    """Number (n,) of the block that holds the centre of each box; blocks are at least about ``block_m`` wide.
+
+    Boxes beyond the rectangle around the centres of ``counted`` ones are in the blocks at its edge.
+    """
+    lat, u = _centres(boxes, counted)
     south, west = boxes.south_deg.min(), boxes.west_u.min()
     step_deg = block_m / _DEGREE_M
     row = _floor_rounded((lat - south) / step_deg)
@@ -339,12 +342,19 @@ def assign_blocks(boxes: GroundBoxes, block_m: float) -> Numbers:
     return np.asarray(numbers, np.int64).reshape(-1)
 
 
-def assign_strips(boxes: GroundBoxes, across: bool) -> tuple[Numbers, float]:
+def _centres(boxes: GroundBoxes, counted: Flags) -> tuple[Floats, Floats]:
+    """Latitudes and world fractions (n,) of centres, moved to the rectangle around the centres of counted boxes."""
+    lat, u = (boxes.south_deg + boxes.north_deg) / 2.0, (boxes.west_u + boxes.east_u) / 2.0
+    lat, u = (np.clip(at, at[counted].min(), at[counted].max()) for at in (lat, u))
+    return lat, u
+
+
+def assign_strips(boxes: GroundBoxes, across: bool, counted: Flags) -> tuple[Numbers, float]:
     """Number (n,) of the thin strip that holds the centre of each box, from one side to the other, and its width in m.
 
-    ``across`` numbers strips from west to east, otherwise from south to north.
+    ``across`` numbers strips from west to east, otherwise from south to north; ``counted`` as for `assign_blocks`.
     """
-    lat, u = (boxes.south_deg + boxes.north_deg) / 2.0, (boxes.west_u + boxes.east_u) / 2.0
+    lat, u = _centres(boxes, counted)
     at_m = u * _EQUATOR_M * math.cos(math.radians(float(lat.mean()))) if across else lat * _DEGREE_M
     # Finer strips bring the shares no closer, and take longer.
     width_m = max(float(np.ptp(at_m)) / 256.0, 1e-3)
@@ -353,7 +363,12 @@ def assign_strips(boxes: GroundBoxes, across: bool) -> tuple[Numbers, float]:
 
 
 def assign_parts(
-    boxes: GroundBoxes, block: Numbers, order: Sequence[int], shares: Sequence[float], gap_m: float
+    boxes: GroundBoxes,
+    block: Numbers,
+    order: Sequence[int],
+    shares: Sequence[float],
+    gap_m: float,
+    counted: Flags,
 ) -> Numbers:
     """Assign boxes (n,) to parts: 0 training, 1 validation, 2 test, -1 for the gap.
 
@@ -364,21 +379,24 @@ def assign_parts(
     order : sequence of int
         All blocks, in the order in which the test and validation parts take them.
     shares : sequence of float
-        Shares of training, validation and test among the boxes outside the gap.
+        Shares of training, validation and test among the counted boxes outside the gap.
     gap_m : float
         Smallest distance between the ground of different parts.
+    counted : bool array (n,)
+        Boxes to share out; the others follow them. Blocks without counted boxes are in training.
     """
-    sizes = np.bincount(block)
+    sizes = np.bincount(block[counted], minlength=int(block.max()) + 1)
+    order = [one for one in order if sizes[one]]
     best, best_off = np.full(len(block), -1, np.int64), math.inf
-    targets = [share * len(block) for share in shares]
+    targets = [share * int(counted.sum()) for share in shares]
     # Repeated, as the images in the gap change the shares.
     for _ in range(6):
         of_block = _assign_parts(sizes, order, shares, targets)
         part = _remove_gap(boxes, of_block[block], gap_m)
-        off = deviation(part, shares)
+        off = deviation(part[counted], shares)
         if off < best_off:
             best, best_off = part, off
-        counts = np.array([(part == one).sum() for one in range(3)], np.float64)
+        counts = np.array([(part[counted] == one).sum() for one in range(3)], np.float64)
         # Aim higher for parts that lost images to the gap, and lower for others.
         moved = [target + (share * counts.sum() - count) / 2.0 for target, share, count in zip(targets, shares, counts)]
         if moved == targets:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Numbers
+from ..arrays import Flags, Numbers
 from ..errors import Cancelled, InvalidInput, Message
 from .clean import locked_folder
 from .dataset import ImageSet, read_dataset
@@ -329,6 +329,7 @@ def split_blocks(
     seed: int = SEED,
     block_m: float | None = None,
     gap_m: float = 0.0,
+    counted: Flags | None = None,
 ) -> tuple[list[str], float, int]:
     """Part of each box, or `GAP`, such that no ground is in two parts; also the side and number of the blocks.
 
@@ -340,32 +341,37 @@ def split_blocks(
         Distinct names of the boxes. With the seed, their hashes give the order of the blocks.
     shares, seed, block_m, gap_m
         As for `split`.
+    counted : bool array (n,) or None
+        Boxes that the shares are of, such as the queries among the tiles of a benchmark; None for all.
 
     Raises
     ------
     InvalidInput
         A part would be empty.
     """
+    if counted is None:
+        counted = np.ones(len(names), np.bool_)
     base, is_default = largest_side_m(boxes) + gap_m, block_m is None and gap_m == 0.0
     best: _Division | None = None
     # Sides to try, relative to the longest image side and the gap. Larger blocks lose fewer images to the gap, so the
     # first side is taken that comes within 2 % of the shares, or else the one that comes closest; without a gap, of
     # those that leave half of the images or more in parts.
     sides = [times * base for times in (16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)]
-    for made in _divisions(boxes, names, shares, seed, sides if block_m is None else [float(block_m)], gap_m):
+    asked_sides = sides if block_m is None else [float(block_m)]
+    for made in _divisions(boxes, names, shares, seed, asked_sides, gap_m, counted):
         best = made if best is None or made.rank < best.rank else best
         if best.rank <= (False, False, 0.02):
             break
     if is_default and (best is None or any(best.rank[:2])):
         # Over little ground, three strips side by side have the shortest borders, or other blocks fit better.
-        more = _strips(boxes, shares, seed, gap_m)
+        more = _strips(boxes, shares, seed, gap_m, counted)
         for other in range(1, 25):
-            more = chain(more, _divisions(boxes, names, shares, f"{seed}.{other}", sides, gap_m))
+            more = chain(more, _divisions(boxes, names, shares, f"{seed}.{other}", sides, gap_m, counted))
         for made in more:
             best = made if best is None or made.rank < best.rank else best
             if not any(best.rank[:2]):
                 break
-    if best is None and is_default and len(names) > len(PARTS):
+    if best is None and is_default and int(counted.sum()) > len(PARTS):
         raise _too_close(boxes, shares)
     if best is None:
         tried = Message("blocks of {0:g} m", block_m) if block_m is not None else Message("blocks")
@@ -409,13 +415,18 @@ class _Division(NamedTuple):
     blocks: int
 
     @classmethod
-    def ranked(cls, part: Numbers, shares: Sequence[float], side_m: float, block: Numbers, gap_m: float) -> _Division:
+    def ranked(
+        cls, part: Numbers, shares: Sequence[float], side_m: float, block: Numbers, gap_m: float, counted: Flags
+    ) -> _Division:
         """Ranked by whether half of the images are lost, whether shares are off by 10 %, and by how far they are off.
 
         With a gap, users choose how many images are lost.
         """
-        off, is_free = deviation(part, shares), gap_m == 0.0
-        is_lost = is_free and float((part < 0).mean()) > 0.5
+        off, is_free = deviation(part[counted], shares), gap_m == 0.0
+        # Each part also needs some of the others, such as tiles to find its queries in.
+        if not counted.all() and math.isinf(deviation(part[~counted], shares)):
+            off = math.inf
+        is_lost = is_free and float((part[counted] < 0).mean()) > 0.5
         return cls((is_lost, is_free and off > 0.1, off), part, side_m, int(block.max()) + 1)
 
 
@@ -426,24 +437,27 @@ def _divisions(
     seed: int | str,
     sides_m: Sequence[float],
     gap_m: float,
+    counted: Flags,
 ) -> Iterator[_Division]:
     """Yield the divisions by blocks of each side that leave no part empty."""
     for side in sides_m:
-        block = assign_blocks(boxes, side)
-        part = assign_parts(boxes, block, _block_order(names, block, seed), shares, gap_m)
-        made = _Division.ranked(part, shares, side, block, gap_m)
+        block = assign_blocks(boxes, side, counted)
+        part = assign_parts(boxes, block, _block_order(names, block, seed), shares, gap_m, counted)
+        made = _Division.ranked(part, shares, side, block, gap_m, counted)
         if math.isfinite(made.rank[-1]):
             yield made
 
 
-def _strips(boxes: GroundBoxes, shares: Sequence[float], seed: int, gap_m: float) -> Iterator[_Division]:
+def _strips(
+    boxes: GroundBoxes, shares: Sequence[float], seed: int, gap_m: float, counted: Flags
+) -> Iterator[_Division]:
     """Yield the divisions by strips along and across, from either end, that leave no part empty."""
     for which in shuffle([f"strips {number}" for number in range(4)], seed):
         across, backwards = divmod(int(which[-1]), 2)
-        block, side = assign_strips(boxes, bool(across))
+        block, side = assign_strips(boxes, bool(across), counted)
         order = range(int(block.max()) + 1)
-        part = assign_parts(boxes, block, order[::-1] if backwards else order, shares, gap_m)
-        made = _Division.ranked(part, shares, side, block, gap_m)
+        part = assign_parts(boxes, block, order[::-1] if backwards else order, shares, gap_m, counted)
+        made = _Division.ranked(part, shares, side, block, gap_m, counted)
         if math.isfinite(made.rank[-1]):
             yield made
 

@@ -7334,11 +7334,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <source>no queries are in {0}; choose other shares{1}, a smaller gap{2}, or a larger area</source>
-        <translation>no hay consultas en {0}; elija otras proporciones{1}, una separación menor{2} o un área más grande</translation>
-    </message>
-    <message>
-        <location filename="../../core/benchmark/folder.py"/>
         <source>part {0!r}: must be one of {1}</source>
         <translation>parte {0!r}: debe ser una de {1}</translation>
     </message>
@@ -7535,6 +7530,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
+        <source>choose a smaller gap, an area {0:,.0f} m long or more, or split same-area</source>
+        <translation>elija una separación menor, un área de {0:,.0f} m de largo o más, o divida con same-area</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
         <source>intersection over union {0} and {1}: must be above 0, up to 1, and the first not below the second</source>
         <translation>intersección sobre unión {0} y {1}: deben ser mayores que 0, hasta 1, y la primera no menor que la segunda</translation>
     </message>
@@ -7570,9 +7570,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
+        <source>split cross-area: most of {0:,} queries would be in no part, or a part would be empty, as queries and tiles up to {1:,.0f} m wide show the same ground</source>
+        <translation>división cross-area: la mayoría de las {0:,} consultas no estaría en ninguna parte, o una parte quedaría vacía, pues consultas y teselas de hasta {1:,.0f} m de ancho muestran el mismo terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
         <location filename="../../core/dataset/split.py"/>
         <source>split {0!r}: must be one of {1}</source>
         <translation>división {0!r}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>take an area {0:,.0f} m long or more, or split same-area</source>
+        <translation>tome un área de {0:,.0f} m de largo o más, o divida con same-area</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>

@@ -258,9 +258,8 @@ class MakeBenchmark(WithImagery):
                 listener=Listener(progress=_progress(worked_out, watch), cancelled=watch.cancelled),
             )
         tell_result(made.total, watch)
-        warning = None if made.benchmark is None else made.benchmark.warning
-        for words in filter(None, (warning, made.hint)):
-            watch.warn(capitalized(translate(words)))
+        if made.hint is not None:
+            watch.warn(capitalized(translate(made.hint)))
         return made
 
     def _results(

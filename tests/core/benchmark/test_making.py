@@ -244,6 +244,39 @@ def test_many_queries_in_the_gap_bring_a_hint_whose_figures_hold(tmp_path):
         assert {name for name, queries in parts.items() if queries} - {"gap"} == asked
 
 
+@pytest.mark.parametrize("overlap", [0.0, 0.3, 0.6])
+@pytest.mark.parametrize("long_m", [150.0, 500.0, 900.0])
+@pytest.mark.parametrize("more", [{}, {"tile_overlap": 0.0}, {"tile_widths_m": (70.0, 300.0)}, {"gap_m": 20.0}])
+def test_a_plan_leaves_half_of_the_queries_in_parts_or_states_an_area_that_does(overlap, long_m, more):
+    imagery = NamedImagery("world", "world")
+    grids = {str(imagery): open_source("world").grid}
+
+    def planned(length_m):
+        # A degree of longitude is 91 km there.
+        box = Box(35.15, -89.9, 35.15 - 0.003, -89.9 + length_m / 91_000.0)
+        queries = Mission(box, 120.0, image_px=64, overlap_along=overlap, overlap_across=overlap)
+        return plan_benchmark(BenchmarkSettings(queries, (imagery,), imagery, **more), grids)
+
+    said = ""
+    try:
+        planned(long_m)
+    except InvalidInput as refused:
+        said = str(refused)
+    if said:
+        assert ("smaller gap" in said) == ("gap_m" in more)
+        advised = float(re.search(r"an area ([\d,]+) m long or more", said)[1].replace(",", ""))
+        assert advised > long_m
+        planned(advised)
+
+
+def test_queries_of_each_part_are_at_hand_where_earlier_nearly_all_were_lost(tmp_path):
+    imagery = NamedImagery("world", "world")
+    queries = Mission(Box(35.15, -89.9, 35.147, -89.8955), 120.0, image_px=48, image_format="png")
+    parts = made(tmp_path, BenchmarkSettings(queries, (imagery,), imagery)).benchmark.queries_of_parts
+    assert min(parts.values()) > 0
+    assert parts["gap"] <= sum(parts.values()) / 2
+
+
 @pytest.mark.thorough
 def test_queries_beyond_the_imagery_are_left_out_where_that_is_asked_for(tmp_path, dates, settings):
     # Of 75 m of ground at any yaw: half of them reach beyond a raster's edge.

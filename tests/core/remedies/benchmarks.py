@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from dataclasses import replace
 
@@ -87,24 +88,41 @@ def _no_benchmark(case: Case) -> None:
     Benchmark.read(case.tmp_path / "out")
 
 
-@remedy(
-    "benchmark/folder.py",
-    "no queries are in {}; choose other shares (--shares), a smaller gap (--gap), or a larger area",
+_CROSS_AREA = (
+    "split cross-area: most of {} queries would be in no part, or a part would be empty, as queries and tiles up to {} "
+    "m wide show the same ground; "
 )
-def _empty_part(case: Case) -> None:
-    def square(side_deg):
-        return QUERIES.replace(area=Box(35.15, -89.9, 35.15 - side_deg, -89.9 + side_deg))
 
-    asked = replace(SETTINGS, queries=square(0.0025), split="cross-area", gap_m=40.0)
-    asked = replace(asked, tile_widths_m=(60.0,), margin_m=0.0)
-    case.says(str(made(case.tmp_path / "out", asked).benchmark.warning))
-    for what, other in {
-        "choose other shares (--shares)": replace(asked, shares=(0.7, 0.15, 0.15)),
-        "a smaller gap (--gap)": replace(asked, gap_m=30.0),
-        "a larger area": replace(asked, queries=square(0.0035)),
-    }.items():
-        folder = case.tmp_path / what
-        case.follow(what, lambda to=folder, by=other: made(to, by).benchmark.warning is None)
+
+def _taken_area(case: Case, asked: BenchmarkSettings) -> None:
+    grid = {str(WORLD): open_source("world").grid}
+    case.refused(lambda: plan_benchmark(asked, grid))
+    found = re.search(r"an area ([\d,]+) m long or more", case.advice)
+    # A degree of longitude is 91 km there.
+    long_deg = float(found[1].replace(",", "")) / 91_000.0
+    longer = replace(asked, queries=QUERIES.replace(area=Box(35.15, -89.9, 35.1495, -89.9 + long_deg)))
+    case.follow(("take " if case.advice.startswith("take") else "") + found[0], lambda: plan_benchmark(longer, grid))
+    case.follow("split same-area", lambda: plan_benchmark(replace(asked, split="same-area"), grid))
+
+
+@remedy("benchmark/planning.py", _CROSS_AREA + "take an area {} m long or more, or split same-area")
+def _little_ground(case: Case) -> None:
+    small = QUERIES.replace(area=Box(35.15, -89.9, 35.1495, -89.8992))
+    _taken_area(case, replace(SETTINGS, queries=small, split="cross-area"))
+
+
+@remedy(
+    "benchmark/planning.py",
+    _CROSS_AREA + "choose a smaller gap, an area {} m long or more, or split same-area",
+)
+def _wide_gap(case: Case) -> None:
+    box = QUERIES.replace(area=Box(35.15, -89.9, 35.146, -89.894))
+    asked = replace(SETTINGS, queries=box, split="cross-area", gap_m=400.0)
+    _taken_area(case, asked)
+    case.follow(
+        "choose a smaller gap",
+        lambda: plan_benchmark(replace(asked, gap_m=0.0), {str(WORLD): open_source("world").grid}),
+    )
 
 
 @remedy("benchmark/making.py", "folder {}: holds another benchmark; choose another folder")
