@@ -88,7 +88,7 @@ class Summary:
 
     ``polygons`` counts the polygons of the area. ``images_over_no_fly`` counts images left out because their camera
     would stand inside one of the ``no_fly_areas``. Covered and uncovered shares refer to the ground outside these;
-    ``no_fly_m2`` is the area's ground inside them.
+    ``no_fly_m2`` is the area's ground inside them. ``images_in_skipped_rows`` counts the images of ``skip_rows``.
 
     ``own_pixels`` describes the pixels of a source whose CRS is not the map's; otherwise it is empty.
     """
@@ -148,6 +148,8 @@ class Summary:
     batteries: int | None = None
     speed_limits: SpeedLimits | None = None
     drone: str = ""
+    skip_rows: str = ""
+    images_in_skipped_rows: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -232,7 +234,7 @@ class Summary:
         if self.airborne_s is not None and self.batteries is not None:
             airborne = airborne_text(self.airborne_s, self.batteries, self.drone)
             lines.append((Message("time in the air"), airborne))
-        if self.battery_min is not None:
+        if self.battery_min is not None or len(self.sorties_s) > 1:
             lines.append((Message("sorties"), sorties_text(self.sorties_s, self.battery_min)))
         if self.sun is not None:
             lines.append((Message("sun"), self.sun.text(self.fov_deg)))
@@ -248,6 +250,9 @@ class Summary:
             if self.no_fly_m2:
                 words = Message("{0}, {1} of the area", words, area_text(self.no_fly_m2))
             lines.append((Message("over no-fly areas"), words))
+        if self.skip_rows:
+            words = Message("{0}: {1:,} images left out", self.skip_rows, self.images_in_skipped_rows)
+            lines.append((Message("skipped rows"), words))
         return lines
 
     def _relief_lines(self) -> list[tuple[str, str]]:
@@ -351,6 +356,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         no_fly_areas=len(mission.no_fly),
         images_over_no_fly=plan.left_out,
         no_fly_m2=None if coverage is None else coverage.no_fly_m2,
+        skip_rows=mission.flight.skip_rows,
+        images_in_skipped_rows=plan.in_skipped_rows,
         warnings=(*imagery_warnings(plan), *upsampling_warnings(plan), *interval_warnings(plan)),
         **relief,
         **_flight_figures(plan),

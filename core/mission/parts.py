@@ -12,6 +12,7 @@ from ..fields import CheckedFields, declared, field_named
 from ..geodesy.vertical import check_vertical
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..map_types import ROADMAP, SATELLITE, TERRAIN
+from ..text.ranges import RANGES, ranges_text, read_ranges
 from .imageries import NamedImagery, named_imageries
 
 if TYPE_CHECKING:
@@ -51,6 +52,8 @@ BY_DISTANCE = "distance"
 HOVER = "hover"
 #: The drones that are flown with DJI Fly, as target of a file for DJI's programs.
 DJI_FLY = "dji-fly"
+#: Limit of the sorties of a flight; more indicate an input error.
+MOST_SORTIES = 999
 #: Treatments of holes in the first source of heights.
 FILL, INTERPOLATE, REFUSE = "fill", "interpolate", "refuse"
 #: UTC in ISO 8601, to the second or with up to six decimals.
@@ -99,6 +102,29 @@ def _check_facing(text: str) -> None:
         TRACK,
         field="facing",
     )
+
+
+def _check_skip_rows(text: str) -> None:
+    try:
+        read_ranges(text)
+    except ValueError as wrong:
+        raise InvalidInput(
+            "skipped rows {0!r}: must be numbers and ranges such as 3,7-9", text, field="skip_rows"
+        ) from wrong
+
+
+def _check_split_after(text: str) -> None:
+    try:
+        found = read_ranges(text)
+    except ValueError as wrong:
+        raise InvalidInput(
+            "split after {0!r}: must be numbers of images such as 120,340", text, field="split_after"
+        ) from wrong
+    count = sum(last - first + 1 for first, last in found)
+    if count >= MOST_SORTIES:
+        raise InvalidInput(
+            "split after {0:,} images: a flight has at most {1:,} sorties", count, MOST_SORTIES, field="split_after"
+        )
 
 
 def _check_source(text: str) -> None:
@@ -356,13 +382,23 @@ class Flight(CheckedFields):
         check=_check_start,
         schema={"pattern": f"^{_UTC}$"},
     )
+    skip_rows: str = declared(
+        "",
+        title="skipped rows",
+        help="rows of an area that are not flown, by their numbers in the names of images, such as 3,7-9: the other "
+        "images keep their names; not for points",
+        advanced=True,
+        check=_check_skip_rows,
+        schema={"pattern": f"^{RANGES}$"},
+    )
 
     def __post_init__(self) -> None:
-        """Check every field; store a ``facing`` given as a number as text."""
+        """Check every field; store a ``facing`` given as a number as text, and equal sets of rows as equal texts."""
         given: Any = self.facing
         if isinstance(given, (int, float)) and not isinstance(given, bool):
             object.__setattr__(self, "facing", f"{given:.15g}")
         super().__post_init__()
+        object.__setattr__(self, "skip_rows", ranges_text(read_ranges(self.skip_rows)))
 
     @property
     def faced_deg(self) -> float | None:
@@ -833,10 +869,20 @@ class Route(CheckedFields):
         suggested=20.0,
         advanced=True,
     )
+    split_after: str = declared(
+        "",
+        title="split after",
+        help="numbers of images in flight order, from 1, after which the aircraft lands at the take-off and a new "
+        "sortie begins, such as 120,340; each part is split further where the battery requires it",
+        advanced=True,
+        check=_check_split_after,
+        schema={"pattern": f"^{RANGES}$"},
+    )
 
     def __post_init__(self) -> None:
         """Check every field; refuse values that need a take-off point without one."""
         super().__post_init__()
+        object.__setattr__(self, "split_after", ranges_text(read_ranges(self.split_after)))
         if self.takeoff is not None:
             object.__setattr__(self, "takeoff", tuple(map(float, self.takeoff)))
         remedy = Message("set a take-off point{0}", OptionName("takeoff").in_brackets)
@@ -847,6 +893,13 @@ class Route(CheckedFields):
                 "battery of {0:g} min: needs a take-off point, where each sortie begins and ends",
                 self.battery_min,
                 field="battery_min",
+                remedy=remedy,
+            )
+        if self.takeoff is None and self.split_after:
+            raise InvalidInput(
+                "split after image {0}: needs a take-off point, where each sortie begins and ends",
+                self.split_after,
+                field="split_after",
                 remedy=remedy,
             )
 

@@ -68,6 +68,8 @@ class Plan:
         Index of the first capture of each polygon of several; empty for one polygon.
     left_out : int
         Number of captures that no-fly areas exclude.
+    in_skipped_rows : int
+        Number of captures in the rows that the mission skips.
 
     Everything else is computed on first access, and cached.
     """
@@ -89,6 +91,7 @@ class Plan:
     flown: Flown | None = None
     parts: tuple[int, ...] = ()
     left_out: int = 0
+    in_skipped_rows: int = 0
 
     def __len__(self) -> int:
         return len(self.column)
@@ -112,6 +115,7 @@ class Plan:
             flown=None if self.flown is None else Flown(*(values[which] for values in self.flown)),
             parts=(),
             left_out=0,
+            in_skipped_rows=0,
         )
         part.__dict__["masked"] = self.masked
         part.__dict__["frame_centres"] = tuple(angle[which] for angle in self.frame_centres)
@@ -157,6 +161,8 @@ class Plan:
     @property
     def rows(self) -> int:
         """Number of rows."""
+        if self.in_skipped_rows:
+            return len(np.unique(self.row))
         return int(self.row.max()) + 1
 
     @cached_property
@@ -348,6 +354,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         flown=over_relief,
         parts=flown.parts,
         left_out=flown.left_out,
+        in_skipped_rows=flown.in_skipped_rows,
     )
 
 

@@ -11502,6 +11502,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>skipped rows</source>
+        <translation>pasadas omitidas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>sorties</source>
         <translation>salidas</translation>
     </message>
@@ -11629,6 +11635,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0}, {1} with turns</source>
         <translation>{0}, {1} con los giros</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0}: {1:,} images left out</source>
+        <translation>{0}: {1:,} imágenes omitidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -11798,6 +11809,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/survey.py"/>
         <source>rows laid anew are flown to and fro</source>
         <translation>las filas que vuelve a trazar se vuelan de ida y vuelta</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>rows laid anew include the skipped ones</source>
+        <translation>las pasadas trazadas de nuevo incluyen las omitidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/vehicle.py"/>
@@ -11976,8 +11992,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
+        <source>rows to be aligned: a split after image {0} would be elsewhere then</source>
+        <translation>pasadas por alinear: la división tras la imagen {0} quedaría en otro lugar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
         <source>rows to be aligned: the layout {0} is north-up</source>
         <translation>pasadas por alinear: la disposición {0} tiene el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>rows to be aligned: the skipped rows {0} would be others then</source>
+        <translation>pasadas por alinear: las pasadas omitidas {0} serían otras</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
@@ -12031,6 +12057,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/flight/path.py"/>
         <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
         <translation>batería de {0:g} min: ir hasta la imagen {1:,} y volver lleva {2:.1f} min</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/path.py"/>
+        <source>split after image {0:,}: must be from 1 to {1:,}, as the flight has {2:,} images</source>
+        <translation>división tras la imagen {0:,}: debe ser de 1 a {1:,}, pues el vuelo tiene {2:,} imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/path.py"/>
@@ -12166,6 +12197,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/flight/pilot.py"/>
         <source>{0}: night</source>
         <translation>{0}: noche</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0}: {1} min</source>
+        <translation>{0}: {1} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
@@ -12586,6 +12622,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows cover an area</source>
         <translation>las filas cubren un área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/skipped.py"/>
+        <source>skipped rows {0}: no row is left</source>
+        <translation>pasadas omitidas {0}: no queda ninguna pasada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/skipped.py"/>
+        <source>skipped rows {0}: points have no rows</source>
+        <translation>pasadas omitidas {0}: los puntos no tienen pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/skipped.py"/>
+        <source>skipped rows {0}: the rows of this mission are 0 to {1:,}</source>
+        <translation>pasadas omitidas {0}: las pasadas de esta misión van de 0 a {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/mission/litchi_table.py"/>
@@ -13578,6 +13629,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>numbers of images in flight order, from 1, after which the aircraft lands at the take-off and a new sortie begins, such as 120,340; each part is split further where the battery requires it</source>
+        <translation>números de imágenes en el orden de vuelo, desde 1, tras las que la aeronave aterriza en el despegue y empieza otra salida, como 120,340; cada parte se divide más donde la batería lo exige</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>order of rows</source>
         <translation>orden de las pasadas</translation>
     </message>
@@ -13648,6 +13704,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>rows of an area that are not flown, by their numbers in the names of images, such as 3,7-9: the other images keep their names; not for points</source>
+        <translation>pasadas de un área que no se vuelan, por sus números en los nombres de las imágenes, como 3,7-9: las demás imágenes conservan sus nombres; no para puntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>seed</source>
         <translation>semilla</translation>
     </message>
@@ -13688,6 +13749,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>skipped rows {0!r}: must be numbers and ranges such as 3,7-9</source>
+        <translation>pasadas omitidas {0!r}: deben ser números e intervalos como 3,7-9</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>source</source>
         <translation>fuente</translation>
     </message>
@@ -13700,6 +13766,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>speed of the flight through the air</source>
         <translation>velocidad del vuelo respecto al aire</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>split after</source>
+        <translation>dividir tras</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>split after image {0}: needs a take-off point, where each sortie begins and ends</source>
+        <translation>división tras la imagen {0}: requiere un punto de despegue, donde empieza y termina cada salida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>split after {0!r}: must be numbers of images such as 120,340</source>
+        <translation>dividir tras {0!r}: deben ser números de imágenes como 120,340</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>split after {0:,} images: a flight has at most {1:,} sorties</source>
+        <translation>división tras {0:,} imágenes: un vuelo tiene como máximo {1:,} salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

@@ -320,6 +320,8 @@ class RouteSection(Section):
             "drone",
         ):
             self.add_declared(name)
+        for name in ("skip_rows", "split_after"):
+            self.add_declared(name, declared_line(name))
 
 
 class WindSection(Section):

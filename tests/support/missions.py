@@ -93,9 +93,11 @@ _OTHERS = {
     "vertical_datum": "EPSG:5773",
     "takeoff": (35.1, -89.8),
     "img_size": (64, 48, 1),
+    "skip_rows": "3,7-9",
+    "split_after": "120,340",
 }
 #: Fields that others require.
-_NEEDED = {"surface": ("elevation",), "battery_min": ("takeoff",)}
+_NEEDED = {"surface": ("elevation",), "battery_min": ("takeoff",), "split_after": ("takeoff",)}
 
 
 def other_value(field):

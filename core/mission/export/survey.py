@@ -124,6 +124,8 @@ def survey_notes(plan: Plan) -> tuple[str, ...]:
         notes.append(Message("rows laid anew are flown to and fro"))
     if plan.mission.flight.crosshatch:
         notes.append(Message("crossing rows laid anew are as far apart as the first ones"))
+    if plan.in_skipped_rows:
+        notes.append(Message("rows laid anew include the skipped ones"))
     return (*qgroundcontrol_notes(plan), *notes)
 
 

@@ -108,6 +108,16 @@ def align_rows(
             field="layout",
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
+    if mission.flight.skip_rows:
+        raise InvalidInput(
+            "rows to be aligned: the skipped rows {0} would be others then", mission.flight.skip_rows, field="skip_rows"
+        )
+    if mission.route.split_after:
+        raise InvalidInput(
+            "rows to be aligned: a split after image {0} would be elsewhere then",
+            mission.route.split_after,
+            field="split_after",
+        )
     area = max(mission.area.parts, key=lambda part: part.area_m2())
     flights = _Flights(mission, grid, heights, area)
     before = flights.plan(mission.flight.row_azimuth_deg)

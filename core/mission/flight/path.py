@@ -15,10 +15,11 @@ from ...geodesy.camera import Poses
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane, geodesic_ends, geodesics
 from ...geodesy.ways import way_around
+from ...text.ranges import read_ranges
 from ..areas.area import Polygon
 from ..layout.no_fly import in_no_fly
 from ..mission import Mission
-from ..parts import GROUND, HOVER, ONE_WAY
+from ..parts import GROUND, HOVER, MOST_SORTIES, ONE_WAY
 from ..relief.ground import PathGround, Relief, refuse_hole
 from .direct import DirectFlight
 from .legs import legs
@@ -32,8 +33,6 @@ CLIMB_M_PER_S = 3.0
 HOVER_S = 3.0
 #: Share of the height above ground by which a leg may be lower, where the flight follows the ground.
 SAG_SHARE = 0.1
-#: Limit of the sorties of a flight; more indicate an input error.
-MOST_SORTIES = 999
 #: Distance kept from no-fly areas: about the position error of an aircraft.
 _NO_FLY_M = 5.0
 #: Height by which a leg may be too low: less is noise.
@@ -439,13 +438,29 @@ class _PathBuilder:
 
     def _sorties(self) -> list[tuple[int, int]]:
         """First and last capture of each sortie."""
-        last, battery = len(self._row) - 1, self._route.battery_min
-        if battery is None:
-            return [(0, last)]
-        limit_s = 60.0 * battery
-        ends = np.append(np.flatnonzero(np.diff(self._row)), last)
+        last = len(self._row) - 1
+        splits = [one for first, end in read_ranges(self._route.split_after) for one in range(first, end + 1)]
+        if splits and not 0 < splits[0] <= splits[-1] <= last:
+            raise InvalidInput(
+                "split after image {0:,}: must be from 1 to {1:,}, as the flight has {2:,} images",
+                splits[-1] if splits[0] else 0,
+                last,
+                last + 1,
+                field="split_after",
+            )
         found: list[tuple[int, int]] = []
-        first = 0
+        for first, end in zip([0, *splits], [*(one - 1 for one in splits), last]):
+            self._add_sorties(first, end, found)
+        return found
+
+    def _add_sorties(self, first: int, last: int, found: list[tuple[int, int]]) -> None:
+        """Divide captures into sorties that the battery allows."""
+        battery = self._route.battery_min
+        if battery is None:
+            found.append((first, last))
+            return
+        limit_s = 60.0 * battery
+        ends = np.append(np.flatnonzero(np.diff(self._row)), len(self._row) - 1)
         while first <= last:
             if len(found) == MOST_SORTIES:
                 raise InvalidInput(
@@ -458,11 +473,10 @@ class _PathBuilder:
             end = self._farthest(first, last, limit_s)
             row_end = ends[np.searchsorted(ends, end, side="right") - 1] if end >= ends[0] else -1
             # A sortie that uses half of the battery ends with a row rather than within the next.
-            if first <= row_end < end and 0.5 * limit_s <= self._sortie_s(first, int(row_end)) <= limit_s:
+            if first <= row_end < end < last and 0.5 * limit_s <= self._sortie_s(first, int(row_end)) <= limit_s:
                 end = int(row_end)
             found.append((first, end))
             first = end + 1
-        return found
 
     def _farthest(self, first: int, last: int, limit_s: float) -> int:
         """Last capture of the longest sortie that the battery allows."""

@@ -93,13 +93,15 @@ def area_sun(plan: Plan) -> Sun | None:
     return Sun(float(heights[0]), float(azimuths[0]), float(heights[1]), float(azimuths[1]))
 
 
-def sorties_text(sorties_s: tuple[float, ...], battery_min: float) -> Message:
-    """Number of sorties, and the share of a battery that each takes."""
+def sorties_text(sorties_s: tuple[float, ...], battery_min: float | None) -> Message:
+    """Number of sorties, and the minutes of each, of those of a battery."""
     minutes = [seconds / 60.0 for seconds in sorties_s]
     if len(minutes) > 6:
         each = Message("{0:.1f} to {1:.1f}", min(minutes), max(minutes))
     else:
         each = Message.joined(", ", [Message("{0:.1f}", one) for one in minutes])
+    if battery_min is None:
+        return Message("{0}: {1} min", len(minutes), each)
     return Message("{0}: {1} of {2:g} min", len(minutes), each, battery_min)
 
 

@@ -49,6 +49,7 @@ from .rows import (
     sees_below,
     turns_at_random,
 )
+from .skipped import remove_rows
 
 #: Computes the flown poses of captures from their layout and nominal poses.
 Disturbed = Callable[[Layout, Poses], Poses]
@@ -61,7 +62,8 @@ class Framed(NamedTuple):
     """Captures with the windows of their pictures.
 
     ``passes`` describe rows in a plane, and ``flown`` has the heights of captures over relief. ``parts`` are the
-    indices of the first captures of several polygons, and ``left_out`` counts captures removed by no-fly areas.
+    indices of the first captures of several polygons. ``left_out`` counts captures removed by no-fly areas, and
+    ``in_skipped_rows`` those of rows that the mission skips.
     """
 
     layout: Layout
@@ -73,6 +75,7 @@ class Framed(NamedTuple):
     flown: Flown | None = None
     parts: tuple[int, ...] = ()
     left_out: int = 0
+    in_skipped_rows: int = 0
 
 
 class Framing(Protocol):
@@ -129,7 +132,8 @@ def framed(
             # The room for rounding may lower the zoom, whose larger pixels need more room.
             zoom = lower
             placed = rows.place(zoom)
-    layout, passes, parts, lost = remove_no_fly(mission.no_fly, *placed)
+    layout, passes, parts, in_skipped_rows = remove_rows(mission, *placed)
+    layout, passes, parts, lost = remove_no_fly(mission.no_fly, layout, passes, parts)
     layout = from_entry(mission, layout, (*parts, *(one.first for one in passes)))
     flown = relief.flown(layout)
     if flown is not None:
@@ -139,7 +143,7 @@ def framed(
     share_frames = passes and framing.resamples and grid.plane.wraps and is_steady
     windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if share_frames else None)
     frames = framing.frames(relief.lone(layout, flown), windows, poses)
-    return Framed(layout, poses, zoom, windows, frames, passes, flown, parts, lost)
+    return Framed(layout, poses, zoom, windows, frames, passes, flown, parts, lost, in_skipped_rows)
 
 
 class PlacedCaptures(NamedTuple):

@@ -52,9 +52,16 @@ def remove_no_fly(
             field="no_fly",
             remedy="choose another area, or smaller no-fly areas",
         )
-    before = np.append(0, np.cumsum(~forbidden))
-    ends = [*(one.first for one in passes[1:]), len(forbidden)]
+    return (*without(forbidden, layout, passes, parts), count)
+
+
+def without(
+    removed: Flags, layout: Layout, passes: tuple[Pass, ...], parts: tuple[int, ...]
+) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
+    """Layout, passes and parts without the captures ``removed`` (n,), as `remove_no_fly` returns them."""
+    before = np.append(0, np.cumsum(~removed))
+    ends = [*(one.first for one in passes[1:]), len(removed)]
     kept = tuple(
         one._replace(first=int(before[one.first])) for one, end in zip(passes, ends) if before[end] > before[one.first]
     )
-    return picked(layout, ~forbidden), kept, tuple(int(before[first]) for first in parts), count
+    return picked(layout, ~removed), kept, tuple(int(before[first]) for first in parts)

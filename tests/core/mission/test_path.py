@@ -308,3 +308,51 @@ def test_cameras_face_their_track_wherever_the_flight_enters(order, corner, tilt
     assert places[0] == places[1]
     assert made.coverage.complete
     assert astuple(made.overlap) == pytest.approx(astuple(as_laid_out.overlap), abs=1e-6)
+
+
+# --- sorties split at images
+
+
+@pytest.mark.parametrize("battery_min", [None, 3.2, 5.0])
+def test_a_flight_is_split_after_the_named_images(battery_min):
+    made = flown(takeoff=HOME, battery_min=battery_min, split_after="7,20-21")
+    path = made.path
+    taken = path.capture >= 0
+    assert path.capture[taken].tolist() == list(range(len(made)))
+    lasts = {int(path.capture[taken & (path.sortie == one)].max()) + 1 for one in range(path.sorties)}
+    assert {7, 20, 21} <= lasts
+    assert (path.sorties > 4) is (battery_min == 3.2)
+    for number in range(path.sorties):
+        one = path.sortie_path(number)
+        assert one.kind[[0, -1]].tolist() == [TAKEOFF, LANDING]
+        assert battery_min is None or path.sorties_s[number] <= 60.0 * battery_min + 1e-6
+
+
+def test_a_part_that_the_battery_carries_is_no_further_split():
+    alone = flown(takeoff=HOME, battery_min=60.0)
+    made = flown(takeoff=HOME, battery_min=60.0, split_after="10")
+    assert (alone.path.sorties, made.path.sorties) == (1, 2)
+    assert "10" in made.mission.to_json()
+    assert "split_after" not in alone.mission.to_json()
+
+
+@pytest.mark.parametrize("text", ["0", "0,5", "100000", "5,100000"])
+def test_a_split_at_an_image_that_is_not_there_is_one_clear_line(text):
+    made = flown(takeoff=HOME, split_after=text)
+    with pytest.raises(InvalidInput, match=f"must be from 1 to {len(made) - 1}, as the flight has") as refused:
+        _ = made.path
+    assert refused.value.field == "split_after"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"split_after": "5"}, "needs a take-off point"),
+        ({"split_after": "five", "takeoff": HOME}, "must be numbers of images such as 120,340"),
+        ({"split_after": "1-99999", "takeoff": HOME}, "at most 999 sorties"),
+    ],
+)
+def test_wrong_splits_are_refused(changes, words):
+    with pytest.raises(InvalidInput, match=words) as refused:
+        FIELD.replace(**changes)
+    assert refused.value.field == "split_after"
