@@ -153,6 +153,9 @@ def add_split(splitting: argparse.ArgumentParser) -> None:
         default=FRAMES[0],
         help="frame of the labels: utm (default), mercator, mission (a plane about its middle) or EPSG:CODE",
     )
+    splitting.add_argument(
+        "--undo", action="store_true", help="restore the parts and labels before the last split, if there were any"
+    )
     splitting.add_argument("--dry-run", action="store_true", help="change nothing, print the counts")
     add_json(splitting)
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..dataset.clean import Cleaned
     from ..dataset.loading import LabelledImages
     from ..dataset.loading.augment import Augmentation
-    from ..dataset.split import Split
+    from ..dataset.split import Split, UndoneSplit
 
 
 #: Descriptions of the entropies in a table, by their measure.
@@ -99,9 +99,15 @@ def _undone(one: Cleaned) -> str:
 
 
 def run_split(arguments: argparse.Namespace) -> int:
-    """Divide a dataset into parts and write them to its tables."""
-    from ..dataset.split import split
+    """Divide a dataset into parts and write them to its tables, or undo that."""
+    from ..dataset.split import split, undo_split
 
+    if arguments.undo:
+        undone = undo_split(arguments.folder, dry_run=arguments.dry_run)
+        print(json.dumps(asdict(undone), indent=1) if arguments.json else _undone_split(undone))
+        if arguments.dry_run and not arguments.json:
+            print("dry run: nothing was changed")
+        return DONE
     made = split(
         arguments.folder,
         arguments.shares,
@@ -120,6 +126,15 @@ def run_split(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         print("dry run: nothing was changed")
     return DONE
+
+
+def _undone_split(undone: UndoneSplit) -> str:
+    if not undone.changed:
+        return "nothing to undo: the dataset is not split"
+    if undone.parts is None:
+        return "split undone: images are in no part, and there are no labels"
+    counts = ", ".join(f"{part} {count:,}" for part, count in undone.parts.items())
+    return f"split undone: the parts and labels before it are back, {counts} images"
 
 
 def _split_lines(made: Split) -> list[str]:

@@ -120,7 +120,7 @@ class Labels:
             raise InvalidInput(
                 "{0}: a split was interrupted, so the parts of its map types may disagree",
                 name,
-                remedy="split again",
+                remedy="split again, or undo the split",
             )
         try:
             document: dict[str, Any] = parse_json(text)
@@ -158,6 +158,11 @@ class Labels:
 def mark_unfinished(path: str | os.PathLike[str]) -> None:
     """Mark a labels file as that of an unfinished split, which `Labels.load` refuses; raises OutputError."""
     write_whole(path, _UNFINISHED.encode("utf-8"))
+
+
+def is_unfinished(content: bytes | None) -> bool:
+    """Whether the content of a labels file is the mark of an unfinished split."""
+    return content == _UNFINISHED.encode("utf-8")
 
 
 def make_labels(

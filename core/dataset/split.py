@@ -13,14 +13,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Flags, Numbers
 from ..errors import Cancelled, InvalidInput, Message
+from ..limits import MAX_SETTINGS_BYTES, MAX_TABLE_BYTES
+from ..storage.files import json_bytes, read_existing, remove_file, write_whole
+from ..storage.stores import is_file
+from ..text.safe_json import parse_json
 from .clean import locked_folder
-from .dataset import ImageSet, read_dataset
+from .dataset import Dataset, ImageSet, read_dataset
 from .entropy import Report
 from .folder import AUTO, PARTS, SEED, SHARES, TABLE_FILE, TEST, TRAIN, WAYS
 from .ground import (
@@ -33,8 +37,11 @@ from .ground import (
     ground_boxes,
     largest_side_m,
 )
-from .labels import LABELS_FILE, Labels, make_dataset_labels, mark_unfinished, middle_position
-from .table import GAP, SPLIT, Table, usable_rows
+from .labels import LABELS_FILE, Labels, is_unfinished, make_dataset_labels, mark_unfinished, middle_position
+from .table import GAP, SPLIT, Table, image_parts, usable_rows
+
+#: File in a dataset's folder with the parts and labels before the last split.
+EARLIER_FILE = "earlier_split.json"
 
 
 @dataclass(frozen=True)
@@ -96,8 +103,8 @@ def split(
     """Write the part of each image to a dataset's tables (column ``split``), and the frame and scaler of its labels.
 
     Images of one place are in the same part in all map types and imageries (see `folder.place_key`). Failed and
-    rejected images are in no part. An earlier split is replaced. After an interruption, `Labels.load` refuses the
-    labels until the dataset is split again.
+    rejected images are in no part. An earlier split is replaced; `undo_split` restores it. After an interruption,
+    `Labels.load` refuses the labels until the dataset is split again or the split is undone.
 
     Parameters
     ----------
@@ -161,6 +168,7 @@ def split(
         labels = make_dataset_labels(tables, frame)
         _report(progress, 0.8)
         if not dry_run:
+            _keep_earlier(dataset, tables, labels)
             # Tables are written one by one: until the last one, the parts of map types may differ.
             mark_unfinished(dataset.folder / LABELS_FILE)
             for images, table in zip(sets, tables):
@@ -181,6 +189,91 @@ def split(
         seen=None if boxes is None else _seen_share([of_place[name] for name in places], boxes),
         labels=labels,
     )
+
+
+@dataclass(frozen=True)
+class UndoneSplit:
+    """Result of `undo_split`.
+
+    Parameters
+    ----------
+    changed : bool
+        Whether there was a split.
+    parts : mapping of str to int, or None
+        Number of images of the first map type in each part of the earlier split, which is back; None without one.
+    """
+
+    changed: bool
+    parts: Mapping[str, int] | None
+
+
+def undo_split(folder: str | os.PathLike[str], *, dry_run: bool = False) -> UndoneSplit:
+    """Undo the last split: restore the parts and the labels of the one before, or remove both if there was none.
+
+    An interrupted split can be undone, too, and an interrupted undoing repeated.
+
+    Raises
+    ------
+    InvalidInput
+        The folder is not a dataset, or the record of the earlier split cannot be read. Nothing is changed then.
+    OutputError
+        Another run works in the folder, or a file cannot be written.
+    """
+    with locked_folder(folder, only_read=dry_run):
+        dataset = read_dataset(folder)
+        sets, labels = list(dataset.image_sets.values()), dataset.folder / LABELS_FILE
+        earlier = _read_earlier(dataset.folder)
+        changed = is_file(labels) or any(SPLIT in images.table.other for images in sets)
+        tables = [_restored(one.table, earlier["parts"].get(name)) for name, one in dataset.image_sets.items()]
+        if changed and not dry_run:
+            mark_unfinished(labels)
+            for images, table in zip(sets, tables):
+                table.save(images.folder / TABLE_FILE)
+            if earlier["labels"] is None:
+                remove_file(labels)
+            else:
+                write_whole(labels, earlier["labels"].encode("utf-8"))
+            remove_file(dataset.folder / EARLIER_FILE)
+    parts = image_parts(tables[0])
+    return UndoneSplit(changed, None if parts is None else {part: parts.count(part) for part in PARTS})
+
+
+def _keep_earlier(dataset: Dataset, tables: Sequence[Table], new: Labels) -> None:
+    """Record the parts in the tables, and the labels, for `undo_split` unless they stay; raises OutputError."""
+    path, labels = dataset.folder / EARLIER_FILE, read_existing(dataset.folder / LABELS_FILE, MAX_SETTINGS_BYTES)
+    if is_unfinished(labels) and is_file(path):
+        # The record is of the state before the interrupted split.
+        return
+    parts = {name: image_parts(images.table) for name, images in dataset.image_sets.items()}
+    if labels == new.to_json().encode("utf-8") and list(parts.values()) == [image_parts(table) for table in tables]:
+        return
+    text = None if labels is None or is_unfinished(labels) else labels.decode("utf-8", "replace")
+    write_whole(path, json_bytes({"labels": text, "parts": parts}))
+
+
+def _read_earlier(folder: Path) -> dict[str, Any]:
+    """Read the labels and the parts before the last split; raises InvalidInput."""
+    path = folder / EARLIER_FILE
+    try:
+        data = read_existing(path, MAX_TABLE_BYTES)
+        found = {"labels": None, "parts": {}} if data is None else parse_json(data)
+        labels, parts = found["labels"], found["parts"]
+        whole = isinstance(labels, (str, type(None))) and isinstance(parts, dict)
+        if not whole or not all(
+            one is None or (isinstance(one, list) and all(cell in ("", *PARTS, GAP) for cell in one))
+            for one in parts.values()
+        ):
+            raise ValueError(Message("not an earlier split"))
+    except (KeyError, TypeError, ValueError, OSError) as wrong:
+        raise InvalidInput("{0}: cannot be read ({1})", path, wrong) from wrong
+    return dict(found)
+
+
+def _restored(table: Table, parts: list[str] | None) -> Table:
+    """Table with earlier parts; without parts if there are none, or none for each row."""
+    others = {header: cells for header, cells in table.other.items() if header != SPLIT}
+    known = parts is not None and len(parts) == len(table)
+    return table.replace_other({**others, SPLIT: tuple(parts or ())} if known else others)
 
 
 def _report(progress: Report | None, share: float) -> None:

@@ -1878,6 +1878,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Nothing to undo: the dataset is not split.</source>
+        <translation>Nada que deshacer: el conjunto de datos no está dividido.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Only count</source>
         <translation>Solo contar</translation>
@@ -1886,6 +1891,11 @@
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <source>Plane about the middle</source>
         <translation>Plano en torno al centro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Restores the parts and labels before the last split, or removes both if there were none.</source>
+        <translation>Restaura las partes y las etiquetas anteriores a la última división, o las quita si no había.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -1911,6 +1921,16 @@
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <source>Shuffled</source>
         <translation>Al azar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Split undone. As before it: {parts}.</source>
+        <translation>División deshecha. Como antes: {parts}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Split undone: the images are in no part, and there are no labels.</source>
+        <translation>División deshecha: las imágenes no están en ninguna parte y no hay etiquetas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -1946,6 +1966,11 @@
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <source>UTM zone of the middle</source>
         <translation>Zona UTM del centro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Undo the last split</source>
+        <translation>Deshacer la última división</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -2492,6 +2517,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>Undo split</source>
+        <translation>Deshacer división</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
         <source>Write the part of each image to the tables, and labels.json</source>
         <translation>Escribir la parte de cada imagen en las tablas, y labels.json</translation>
     </message>
@@ -2540,6 +2570,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
         <source>Splitting {name}</source>
         <translation>Dividiendo {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>Undoing the split of {name}</source>
+        <translation>Deshaciendo la división de {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
@@ -8481,8 +8516,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>split again</source>
-        <translation>divida de nuevo</translation>
+        <source>split again, or undo the split</source>
+        <translation>divida de nuevo, o deshaga la división</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
@@ -8501,6 +8536,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
+        <location filename="../../core/dataset/split.py"/>
         <location filename="../../core/exports/tables.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -8563,6 +8599,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/split.py"/>
         <source>gap of {0} m: must be from 0 to {1:,.0f} m</source>
         <translation>separación de {0} m: debe ser de 0 a {1:,.0f} m</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>not an earlier split</source>
+        <translation>no es una división anterior</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>

@@ -8,7 +8,7 @@ from ...core.dataset.folder import AUTO, FRAMES, PARTS
 from ..i18n import number_text, tr
 
 if TYPE_CHECKING:
-    from ...core.dataset.split import Split
+    from ...core.dataset.split import Split, UndoneSplit
 
 HIGHEST_SEED = 2**31 - 1
 #: Largest block, and largest gap, in metres.
@@ -59,6 +59,7 @@ def titles() -> dict[str, str]:
         "gap": tr("Gap between parts (metres)"),
         "frame": tr("Frame of the labels"),
         "dry_run": tr("Only count"),
+        "undo": tr("Undo the last split"),
     }
 
 
@@ -77,6 +78,7 @@ def helps() -> dict[str, str]:
         "gap": tr("With blocks only: minimum distance between the ground of two parts."),
         "frame": tr("utm, mercator, mission, or a projected system in metres such as EPSG:32616."),
         "dry_run": tr("Nothing is changed."),
+        "undo": tr("Restores the parts and labels before the last split, or removes both if there were none."),
     }
 
 
@@ -113,3 +115,13 @@ def outcome(made: Split) -> list[Line]:
             Line(text.format(count=len(zones), zones=", ".join(zones), frame=made.labels.frame.crs), warns=True)
         )
     return lines
+
+
+def undone_text(undone: UndoneSplit) -> str:
+    """Sentence about a split that was undone."""
+    if not undone.changed:
+        return tr("Nothing to undo: the dataset is not split.")
+    if undone.parts is None:
+        return tr("Split undone: the images are in no part, and there are no labels.")
+    each = ", ".join(f"{title} {number_text(undone.parts[part])}" for part, title in parts().items())
+    return tr("Split undone. As before it: {parts}.").format(parts=each)

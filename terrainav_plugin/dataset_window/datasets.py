@@ -134,11 +134,11 @@ class Datasets(QObject):
 
     def _ended(self, task: CleanTask | SplitTask) -> None:
         """Show the state of the dataset after a task, whether it succeeded or failed."""
-        from .tasks import SplitTask
+        from .tasks import SplitTask, UndoSplitTask
 
         if task.changes_dataset and self.window is not None:
             # The split tab reads its folder itself, and keeps its text about the split.
-            self._stale = set(TABS) - ({SPLIT} if isinstance(task, SplitTask) else set())
+            self._stale = set(TABS) - ({SPLIT} if isinstance(task, (SplitTask, UndoSplitTask)) else set())
             self._show_current()
 
     # --- the window

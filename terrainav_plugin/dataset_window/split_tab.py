@@ -8,7 +8,19 @@ from typing import Any, NamedTuple
 from qgis.PyQt.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout
 
 from ...core.dataset.folder import AUTO, PARTS, SEED, SHARES
-from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, Line, frames, helps, outcome, parts, split_methods, titles
+from ..dataset.splitting import (
+    HIGHEST_SEED,
+    UTM,
+    WIDEST_M,
+    Line,
+    frames,
+    helps,
+    outcome,
+    parts,
+    split_methods,
+    titles,
+    undone_text,
+)
 from ..i18n import number_text, tr
 from ..widgets import (
     NumberBox,
@@ -22,7 +34,7 @@ from ..widgets import (
     wrapped_label,
 )
 from .tab import Tab, no_folder
-from .tasks import SplitTask, Work
+from .tasks import SplitTask, UndoSplitTask, Work
 
 _SHARE_DECIMALS = 2
 #: Methods with blocks and a gap between them.
@@ -55,7 +67,7 @@ class SplitTab(Tab):
     def __init__(self, work: Work) -> None:
         super().__init__("split_tab")
         self._work = work
-        self._known = False
+        self._known = self._is_split = False
         self._make_entries()
         self.state = wrapped_label("split_state")
         self.result = wrapped_label("split_result")
@@ -63,12 +75,14 @@ class SplitTab(Tab):
             "split", tr("Split"), tr("Write the part of each image to the tables, and labels.json")
         )
         self.split.clicked.connect(lambda _checked: self._split())
+        self.undo = push_button("undo_split", tr("Undo split"), helps()["undo"])
+        self.undo.clicked.connect(lambda _checked: self._undo())
         self._lay_out()
         self.show_dataset()
 
     def show_dataset(self) -> None:
         """Read the current split."""
-        self._known = False
+        self._known = self._is_split = False
         self.result.setText("")
         folder = self.folder
         if folder is None:
@@ -84,7 +98,7 @@ class SplitTab(Tab):
 
     def show_refused(self, reason: str) -> None:
         """Show why the dataset cannot be split."""
-        self._known = False
+        self._known = self._is_split = False
         self.state.setText(reason)
         self.enable()
 
@@ -105,12 +119,13 @@ class SplitTab(Tab):
     def enable(self) -> None:
         """Enable the actions that are possible now."""
         self.split.setEnabled(self._known and not self.working)
+        self.undo.setEnabled(self._is_split and not self.working)
         by_ground = self.how.currentData() in _BY_GROUND
         for widget in (self.block, self.gap):
             widget.setEnabled(by_ground)
 
     def _show_counts(self, counts: Counts) -> None:
-        self._known = True
+        self._known, self._is_split = True, counts.of_parts is not None
         if counts.of_parts is None:
             text = tr("Not split yet: {count} images.").format(count=number_text(counts.images))
         else:
@@ -129,6 +144,15 @@ class SplitTab(Tab):
         elif self.folder is not None:
             shares, options = self.options()
             self._work.start(SplitTask(self.folder, shares, options), self._done, self._refused)
+
+    def _undo(self) -> None:
+        if self.folder is not None:
+            self._work.start(UndoSplitTask(self.folder), self._undone, self._refused)
+
+    def _undone(self, task: UndoSplitTask) -> None:
+        self._read()
+        if task.undone is not None:
+            self.show_result(undone_text(task.undone))
 
     def _refused(self, reason: str) -> None:
         self.show_result(reason)
@@ -198,6 +222,7 @@ class SplitTab(Tab):
         buttons = QHBoxLayout()
         buttons.addWidget(self.dry_run)
         buttons.addStretch(1)
+        buttons.addWidget(self.undo)
         buttons.addWidget(self.split)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)

@@ -14,7 +14,7 @@ from ..tasks import Task
 
 if TYPE_CHECKING:
     from ...core.dataset.clean import Cleaned
-    from ...core.dataset.split import Split
+    from ...core.dataset.split import Split, UndoneSplit
     from ...core.exports.kinds import Exported
     from ..messages import Messages
 
@@ -200,6 +200,29 @@ class SplitTask(Task):
         from ...core.dataset.split import split
 
         self.made = split(self.folder, self.shares, **self.options, progress=self.report_progress)
+
+
+class UndoSplitTask(Task):
+    """Undo the last split of a dataset.
+
+    Attributes
+    ----------
+    undone : UndoneSplit or None
+        None until the task has ended.
+    """
+
+    changes_dataset = True
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(tr("Undoing the split of {name}").format(name=folder.name))
+        self.folder = folder
+        self.undone: UndoneSplit | None = None
+
+    def work(self) -> None:
+        """Undo."""
+        from ...core.dataset.split import undo_split
+
+        self.undone = undo_split(self.folder)
 
 
 class DatasetExportTask(Task):

@@ -21,14 +21,14 @@ from qgis.core import (
 from ...core.dataset.folder import AUTO, DEFAULT_ENTROPY, PARTS, SEED, SHARES
 from ...core.errors import InvalidInput
 from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, VIEWS, export_as
-from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, helps, outcome, split_methods, titles
+from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, helps, outcome, split_methods, titles, undone_text
 from ..i18n import number_text, tr
 from .algorithm import Algorithm, AlgorithmRun, AlgorithmTexts, WorkFeedback, off_main_thread
 from .choices import ChoiceParameter
 
 if TYPE_CHECKING:
     from ...core.dataset.clean import Cleaned
-    from ...core.dataset.split import Split
+    from ...core.dataset.split import Split, UndoneSplit
     from ...core.mosaic.orthomosaic import Orthomosaic
 
 _MARK, _MOVE, _UNDO = "mark", "move", "undo"
@@ -243,6 +243,7 @@ class SplitAlgorithm(_OfDataset):
         )
         add_gap(self, text["gap"])
         self.add(QgsProcessingParameterString("FRAME", title["frame"], UTM), text["frame"])
+        self.add(QgsProcessingParameterBoolean("UNDO", title["undo"], False), text["undo"])
         self.add_numbers(
             {
                 "TRAIN_IMAGES": tr("Training images"),
@@ -254,10 +255,21 @@ class SplitAlgorithm(_OfDataset):
         self.addOutput(QgsProcessingOutputString("LABELS", tr("Frame and scaler of the labels (JSON)")))
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Split."""
-        from ...core.dataset.split import split
+        """Split, or undo the last split."""
+        from ...core.dataset.split import split, undo_split
 
         folder, shares = run.text("DATASET"), read_shares(run)
+        if run.flag("UNDO"):
+
+            def restore(_: WorkFeedback) -> UndoneSplit:
+                return undo_split(folder, dry_run=run.flag("DRY_RUN"))
+
+            undone = off_main_thread(restore, run.feedback)
+            run.feedback.pushInfo(undone_text(undone))
+            return {
+                "FOLDER": folder,
+                **{f"{part.upper()}_IMAGES": count for part, count in (undone.parts or {}).items()},
+            }
         options = {
             "seed": run.whole("SEED"),
             "how": run.choice("HOW"),

@@ -118,6 +118,27 @@ def test_split_writes_what_the_core_would_and_says_what_came_out(desk, window, d
     screenshot("dataset-split", window.window)
 
 
+def test_a_split_is_undone_by_a_button(desk, window, dataset):
+    tab = go_to(desk, window, dataset, "split")
+    tables = {path: path.read_bytes() for path in dataset.rglob("meta_data.csv")}
+    assert not tab.undo.isEnabled()
+    desk.choose(tab.how, "shuffled")
+    press(desk, window, tab.split)
+    desk.wait(tab.undo.isEnabled)
+    now = tab.state.text()
+    desk.choose(tab.how, "in-order")
+    press(desk, window, tab.split)
+    desk.wait(tab.undo.isEnabled)
+    press(desk, window, tab.undo)
+    assert tab.result.text().startswith("Split undone. As before it: Training ")
+    desk.wait(lambda: tab.state.text() == now and tab.undo.isEnabled())
+    press(desk, window, tab.undo)
+    assert tab.result.text() == "Split undone: the images are in no part, and there are no labels."
+    assert {path: path.read_bytes() for path in dataset.rglob("meta_data.csv")} == tables
+    assert not (dataset / "labels.json").exists()
+    desk.wait(lambda: tab.split.isEnabled() and not tab.undo.isEnabled())
+
+
 def test_split_takes_blocks_and_a_frame_by_its_code(desk, window, dataset):
     tab = go_to(desk, window, dataset, "split")
     desk.choose(tab.how, "shuffled")

@@ -91,3 +91,13 @@ def test_export_writes_beside_the_tables_unless_a_folder_is_named(dataset, tmp_p
 def test_export_of_map_frames_as_a_model_is_refused_in_one_line(dataset, tmp_path):
     with pytest.raises(QgsProcessingException, match=r"has no mission\.json"):
         export(DATASET=str(dataset), FORMAT="colmap", FOLDER=str(tmp_path / "model"))
+
+
+def test_a_split_is_undone(dataset):
+    feedback = Feedback()
+    run(feedback, DATASET=str(dataset))
+    assert "TRAIN_IMAGES" not in run(feedback, DATASET=str(dataset), UNDO=True)
+    assert feedback.lines[-2] == "Split undone: the images are in no part, and there are no labels."
+    assert parts_in(dataset) is None
+    run(feedback, DATASET=str(dataset), UNDO=True)
+    assert feedback.lines[-2] == "Nothing to undo: the dataset is not split."

@@ -15,7 +15,7 @@ from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.folder import PARTS
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
 from terrainav.core.dataset.loading import LabelledImages
-from terrainav.core.dataset.split import shuffle, split
+from terrainav.core.dataset.split import shuffle, split, undo_split
 from terrainav.core.dataset.table import SPLIT, Table, image_parts, usable_rows
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 from terrainav.core.mission.areas.area import Box
@@ -326,3 +326,78 @@ def test_a_stopped_split_changes_nothing(captured, tmp_path, at):
     assert contents(folder) == before
     assert told == sorted(set(told))
     assert len(told) == at + 1
+
+
+@pytest.mark.parametrize("dry_run", [True, False])
+def test_undoing_brings_back_what_was_there_before(captured, tmp_path, dry_run):
+    folder = tmp_path / "out"
+    shutil.copytree(captured, folder)
+    states = [contents(folder)]
+    for seed in (1, 2):
+        split(folder, how="shuffled", seed=seed)
+        states.append({path: data for path, data in contents(folder).items() if path.name != "earlier_split.json"})
+    undone = undo_split(folder, dry_run=dry_run)
+    assert undone.changed
+    assert sum(undone.parts.values()) == len(parts_in(folder))
+    if dry_run:
+        assert contents(folder).items() > states[2].items()
+        return
+    assert contents(folder) == states[1]
+    # Of the first split there is no record any more, but there was nothing before it.
+    assert undo_split(folder).parts is None
+    assert contents(folder) == states[0]
+    assert not undo_split(folder).changed
+    assert contents(folder) == states[0]
+
+
+@pytest.mark.parametrize("at", [0, 1])
+def test_an_interrupted_split_and_an_interrupted_undoing_can_be_undone(captured, tmp_path, monkeypatch, at):
+    folder = tmp_path / "out"
+    shutil.copytree(captured, folder)
+    split(folder, how="shuffled", seed=1)
+    before = {path: data for path, data in contents(folder).items() if path.name != "earlier_split.json"}
+    save, saved = Table.save, []
+
+    def interrupted(table, path):
+        if len(saved) == at:
+            raise KeyboardInterrupt
+        saved.append(path)
+        save(table, path)
+
+    def stop(run):
+        saved.clear()
+        monkeypatch.setattr(Table, "save", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            run()
+        monkeypatch.setattr(Table, "save", save)
+        with pytest.raises(InvalidInput, match="split again, or undo the split"):
+            Labels.load(folder / LABELS_FILE)
+
+    stop(lambda: split(folder, how="shuffled", seed=2))
+    # Interrupted twice, the record stays that of the first split.
+    stop(lambda: split(folder, how="shuffled", seed=3))
+    stop(lambda: undo_split(folder))
+    assert undo_split(folder).changed
+    assert contents(folder) == before
+
+
+def test_a_spoilt_record_of_the_earlier_split_changes_nothing(tmp_path):
+    folder = in_row(tmp_path, 9)
+    split(folder)
+    for text in ("", "{}", '{"labels": 1, "parts": {}}', '{"labels": null, "parts": {"satellite": ["<b>"]}}'):
+        (folder / "earlier_split.json").write_text(text, encoding="utf-8")
+        before = contents(folder)
+        with pytest.raises(InvalidInput, match=r"earlier_split\.json: cannot be read"):
+            undo_split(folder)
+        assert contents(folder) == before
+
+
+def test_the_command_undoes_a_split(tmp_path, run):
+    in_row(tmp_path, 10)
+    assert run("split", "out", "--undo").stdout == "nothing to undo: the dataset is not split\n"
+    for seed in ("1", "2"):
+        assert run("split", "out", "--how", "shuffled", "--seed", seed).returncode == 0
+    undone = run("split", "out", "--undo", "--dry-run").stdout
+    assert "the parts and labels before it are back, train 8, validation 1, test 1 images\ndry run" in undone
+    assert '"changed": true' in run("split", "out", "--undo", "--json").stdout
+    assert run("split", "out", "--undo").stdout == "split undone: images are in no part, and there are no labels\n"

@@ -21,7 +21,7 @@ from terrainav.core.dataset.folder import TABLE_FILE
 from terrainav.core.dataset.labels import LABELS_FILE, make_dataset_labels, make_labels, mark_unfinished
 from terrainav.core.dataset.loading import Batches, LabelledImages, augment
 from terrainav.core.dataset.loading.batches import optional_module
-from terrainav.core.dataset.split import split
+from terrainav.core.dataset.split import split, undo_split
 from terrainav.core.dataset.table import Table, image_parts
 from terrainav.core.errors import Cancelled
 from terrainav.core.mission.areas.area import Box, Points
@@ -438,7 +438,7 @@ def _none_left(case: Case) -> None:
 
 @remedy(
     "dataset/labels.py",
-    "{}: a split was interrupted, so the parts of its map types may disagree; split again",
+    "{}: a split was interrupted, so the parts of its map types may disagree; split again, or undo the split",
 )
 def _interrupted(case: Case) -> None:
     folder = captured(case)
@@ -451,6 +451,7 @@ def _interrupted(case: Case) -> None:
         sample(folder)
 
     case.follow("split again", split_again)
+    case.follow("undo the split", lambda: undo_split(folder).changed)
 
 
 @remedy("dataset/labels.py", "{}: cannot be read ({}); have it made anew by split")
