@@ -250,6 +250,10 @@ def _requests(planned: Plan) -> int:
 def run_plan(arguments: argparse.Namespace) -> int:
     """Plan a mission for each of its imageries; print the figures and write the files."""
     endings = {path: _ending(path, _MISSION) for path in arguments.output}
+    if arguments.profile is not None:
+        from ..report.heights import check_profile_ending
+
+        check_profile_ending(arguments.profile)
     mission, values = _settings(arguments)
     each = mission.missions_by_imagery
     sources = {
@@ -265,6 +269,9 @@ def run_plan(arguments: argparse.Namespace) -> int:
             files.append(path)
         else:
             files += _write_plans(plans, path)
+    if arguments.profile is not None:
+        # Several imageries share one flight.
+        files.append(_write_profile(next(iter(plans.values())), arguments.profile))
     if arguments.to_vehicle is not None:
         _upload(next(iter(plans.values())), arguments.to_vehicle, arguments.sortie)
     if arguments.json:
@@ -278,6 +285,16 @@ def run_plan(arguments: argparse.Namespace) -> int:
     for file in files:
         print(printable(f"{'written':24s}{file}"))
     return DONE
+
+
+def _write_profile(planned: Plan, path: str) -> str:
+    """Write a height profile, print its least clearance, and return the file."""
+    from ..report.heights import least_clearance, write_profile
+
+    note = least_clearance(write_profile(planned, path))
+    if note:
+        print(printable(f"{path}: {note}"), file=sys.stderr)
+    return path
 
 
 def _upload(planned: Plan, address: str, sortie: int | None) -> None:

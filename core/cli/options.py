@@ -117,6 +117,12 @@ def _add_plan(planning: argparse.ArgumentParser) -> None:
         "(QGroundControl), .survey.plan (editable there as a survey) or mission .json",
     )
     planning.add_argument(
+        "--profile",
+        metavar="FILE",
+        help="write the heights along the flight, of flight, ground and surface, and the clearance: a table (.csv) or "
+        "a diagram (.png, needs matplotlib)",
+    )
+    planning.add_argument(
         "--to-vehicle",
         metavar="ADDRESS",
         help="upload the flight to a vehicle over MAVLink: tcp:HOST:PORT, udp:HOST:PORT (waits there for it) or "

@@ -12,6 +12,7 @@ In reading order:
 - `tables`: figures as tables and as CSV
 - `sentences`: figures in words
 - `plots`: diagrams
+- `heights`: height profiles as tables and diagrams
 - `machine`: processor, system and software versions
 - `page`: the page
 """

@@ -15126,6 +15126,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: el cuaternión de la pose {1:,} tiene la longitud {2:.3g}, y no 1</translation>
     </message>
     <message>
+        <location filename="../../core/report/heights.py"/>
+        <source>profile {0!r}: must end in {1}</source>
+        <translation>perfil {0!r}: debe terminar en {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/report/measure.py"/>
         <source>an image</source>
         <translation>una imagen</translation>

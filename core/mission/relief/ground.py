@@ -90,6 +90,10 @@ class Profile(NamedTuple):
         Greatest height of the surface within the clearance's distance; minus infinity where unknown.
     ground_m : array
         Height of the ground; NaN where unknown.
+    surface_m : array
+        Height of the surface; NaN where unknown.
+    is_middle : array of bool
+        Whether the node is the midpoint of its two neighbours, between which the surface below the leg is a parabola.
     """
 
     leg: Numbers
@@ -98,6 +102,8 @@ class Profile(NamedTuple):
     lon_deg: Floats
     highest_m: Floats
     ground_m: Floats
+    surface_m: Floats
+    is_middle: NDArray[np.bool_]
 
 
 class PathGround(Protocol):

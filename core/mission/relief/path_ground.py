@@ -99,8 +99,10 @@ class ReliefPathGround:
         piece, along = np.append(piece, piece[half])[at], np.append(along, middle)[at]
         ground = self._ground.position(*ends)
         values = [a[piece] + along * (a[piece + 1] - a[piece]) for a in (*ends, column, row, *ground)]
-        heights = self._surface.heights(values[2], values[3])
-        halves = np.flatnonzero(at >= len(at) - len(half))
+        surface = self._surface.heights(values[2], values[3])
+        heights = surface.copy()
+        is_middle = at >= len(at) - len(half)
+        halves = np.flatnonzero(is_middle)
         bulge = heights[halves] - (heights[halves - 1] + heights[halves + 1]) / 2.0
         heights[halves] += np.maximum(np.where(np.isnan(bulge), 0.0, bulge), 0.0)
         if self._near is not None:
@@ -112,6 +114,8 @@ class ReliefPathGround:
             values[1],
             np.where(np.isnan(heights), -np.inf, heights),
             self._ground.heights(values[4], values[5]),
+            surface,
+            is_middle,
         )
 
 
