@@ -380,12 +380,11 @@ class Session(QObject):
             self.background.zoom_to_box(box)
 
     def _show_hint(self, *_: object) -> None:
-        hint = ""
+        hint, has_box = "", self.state().has_box
         if not self.project.mapLayers():
-            hint = tr("The map is empty: {link}, or add layers of your own.").format(
-                link=_link("show", tr("show the selected imagery and draw a box"))
-            )
-        elif not self.state().has_box:
+            to_show = tr("show the selected imagery") if has_box else tr("show the selected imagery and draw a box")
+            hint = tr("The map is empty: {link}, or add layers of your own.").format(link=_link("show", to_show))
+        elif not has_box:
             hint = tr("{link} and drag over the area, or paste its coordinates below.").format(
                 link=_link("draw", tr("Draw a box"))
             )

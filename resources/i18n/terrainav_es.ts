@@ -7151,6 +7151,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
+        <source>show the selected imagery</source>
+        <translation>mostrar las imágenes seleccionadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
         <source>show the selected imagery and draw a box</source>
         <translation>mostrar las imágenes seleccionadas y dibujar un recuadro</translation>
     </message>
