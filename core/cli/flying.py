@@ -249,11 +249,13 @@ def _requests(planned: Plan) -> int:
 
 def run_plan(arguments: argparse.Namespace) -> int:
     """Plan a mission for each of its imageries; print the figures and write the files."""
-    endings = {path: _ending(path, _MISSION) for path in arguments.output}
     if arguments.profile is not None:
         from ..report.heights import check_profile_ending
 
         check_profile_ending(arguments.profile)
+    if arguments.more_missions:
+        return _plan_joined(arguments)
+    endings = {path: _ending(path, _MISSION) for path in arguments.output}
     mission, values = _settings(arguments)
     each = mission.missions_by_imagery
     sources = {
@@ -295,6 +297,39 @@ def _write_profile(planned: Plan, path: str) -> str:
     if note:
         print(printable(f"{path}: {note}"), file=sys.stderr)
     return path
+
+
+def _plan_joined(arguments: argparse.Namespace) -> int:
+    """Plan several missions as one flight; print its figures and write its files."""
+    from ..mission.flight.joined import join_plans, summarize
+
+    for path in arguments.output:
+        _ending(path)
+    if arguments.align is not None:
+        raise InvalidInput("one flight of several missions: align the rows of each mission in its file")
+    plans: list[Plan] = []
+    names, heights = [], None
+    for file in (arguments.mission_file, *arguments.more_missions):
+        one = argparse.Namespace(**{**vars(arguments), "mission_file": file})
+        mission, values = _settings(one)
+        # Several imageries share one flight.
+        mission = next(iter(mission.missions_by_imagery.values()), mission)
+        plans.append(_plan_mission(mission, values, _named_source(mission, values, as_stored=_as_written(mission))))
+        names.append(Path(file).stem)
+        heights = heights or requested_heights(mission, values)
+    joined = join_plans(plans, names, heights)
+    files = [file for path in arguments.output for file in _write_plans({"": joined}, path)]
+    if arguments.profile is not None:
+        files.append(_write_profile(joined, arguments.profile))
+    if arguments.to_vehicle is not None:
+        _upload(joined, arguments.to_vehicle, arguments.sortie)
+    summary = summarize(joined, names)
+    if arguments.json:
+        print(json.dumps({**summary.to_dict(), "written": files}, indent=1))
+        return DONE
+    for label, text in (*summary.lines(), *(("written", file) for file in files)):
+        print(printable(f"{label:24s}{text}"))
+    return DONE
 
 
 def _upload(planned: Plan, address: str, sortie: int | None) -> None:

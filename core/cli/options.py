@@ -109,6 +109,12 @@ def normalise(argv: Sequence[str]) -> list[str]:
 def _add_plan(planning: argparse.ArgumentParser) -> None:
     _add_mission_options(planning)
     planning.add_argument(
+        "more_missions",
+        nargs="*",
+        metavar="MISSION",
+        help="further mission files, which one flight serves in this order, with safe transits between them",
+    )
+    planning.add_argument(
         "--output",
         metavar="FILE",
         action="append",

@@ -159,6 +159,34 @@ class Plan:
         return self.ground_m + self.agl_m
 
     @property
+    def asked_agl_m(self) -> Floats:
+        """Requested heights above ground, (n,); over relief, captures may be higher."""
+        if not self.mission.area.covers_ground:
+            return self.meant.agl_m
+        lowest: Floats = np.minimum(self.meant.agl_m, self.mission.flight.agl_m)
+        return lowest
+
+    @property
+    def airspeeds_m_per_s(self) -> Floats:
+        """Airspeed towards each capture, (n,); a value common to all takes no memory."""
+        return np.broadcast_to(np.float64(self.mission.flight.airspeed_m_per_s), len(self))
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Index of the first capture of each further mission, if several are flown as one; otherwise empty."""
+        return ()
+
+    @property
+    def zooms(self) -> Numbers:
+        """Zoom of each window, (n,)."""
+        return np.broadcast_to(np.int64(self.zoom), len(self))
+
+    @property
+    def wrapped_left_px(self) -> Floats | Numbers:
+        """Left edges of the windows, wrapped into the world, (n,)."""
+        return self.grid.wrapped_px(self.windows.left_px, self.zoom)
+
+    @property
     def rows(self) -> int:
         """Number of rows."""
         if self.in_skipped_rows:

@@ -11429,6 +11429,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/flight/joined.py"/>
         <source>flight path</source>
         <translation>trayectoria de vuelo</translation>
     </message>
@@ -11487,6 +11488,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/flight/joined.py"/>
         <source>images</source>
         <translation>imágenes</translation>
     </message>
@@ -11554,6 +11556,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/flight/joined.py"/>
         <source>sorties</source>
         <translation>salidas</translation>
     </message>
@@ -11589,6 +11592,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/flight/joined.py"/>
         <source>time in the air</source>
         <translation>tiempo en el aire</translation>
     </message>
@@ -11679,6 +11683,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/flight/joined.py"/>
         <source>{0}, {1} with turns</source>
         <translation>{0}, {1} con los giros</translation>
     </message>
@@ -11840,6 +11845,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/survey.py"/>
         <source>QGroundControl survey: needs an area of one polygon without holes</source>
         <translation>levantamiento de QGroundControl: necesita un área de un solo polígono sin huecos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey: takes one mission, and {0} are joined</source>
+        <translation>levantamiento de QGroundControl: admite una misión, y hay {0} unidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/survey.py"/>
@@ -12083,6 +12093,43 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/flight/gusts.py"/>
         <source>system without a stationary covariance: it must be stable</source>
         <translation>sistema sin covarianza estacionaria: debe ser estable</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/joined.py"/>
+        <source>between missions</source>
+        <translation>entre misiones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/joined.py"/>
+        <source>camera</source>
+        <translation>cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/joined.py"/>
+        <source>least clearance</source>
+        <translation>distancia mínima al terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/joined.py"/>
+        <source>mission {0} with a split after image {1}: it has {2:,} images</source>
+        <translation>misión {0} con una división tras la imagen {1}: tiene {2:,} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/joined.py"/>
+        <source>one flight of several missions: needs two or more</source>
+        <translation>un vuelo de varias misiones: requiere dos o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/joined.py"/>
+        <source>one flight of {0} and {1}: they differ in {2}, which a flight has in common</source>
+        <translation>un vuelo de {0} y {1}: difieren en {2}, que un vuelo tiene en común</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/joined.py"/>
+        <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/report/measure.py"/>
+        <source>wind</source>
+        <translation>viento</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/motion.py"/>
@@ -12859,12 +12906,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/report/measure.py"/>
         <source>the source gives images by their centre, not tiles that others can be made from</source>
         <translation>la fuente da imágenes por su centro, no teselas con las que se puedan hacer otras</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/methods.py"/>
-        <location filename="../../core/report/measure.py"/>
-        <source>wind</source>
-        <translation>viento</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>

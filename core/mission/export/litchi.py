@@ -71,19 +71,18 @@ def check_litchi(plan: Plan) -> None:
 
 def litchi_texts(plan: Plan) -> list[Iterator[str]]:
     """Text of each file, in blocks: sorties, divided into equal parts of at most `MAX_WAYPOINTS`."""
-    speed = min(plan.mission.flight.airspeed_m_per_s, MAX_SPEED_M_PER_S)
     texts = []
     for sortie in range(plan.path.sorties):
         # At most 10,000 waypoints, which fit into memory.
         shots = list(_shots(plan, sortie))
-        lines = [_line(one, speed, actions, spacing_m) for one, actions, spacing_m in shots]
+        lines = [_line(one, actions, spacing_m, speed) for one, actions, spacing_m, speed in shots]
         files, shared = _files(plan, len(lines)), _shared(plan)
         ends = [(len(lines) - shared) * number // files for number in range(files + 1)]
         for first, end in zip(ends, ends[1:]):
             part = lines[first : end + shared]
             if shared and first:
                 # The file before has taken the image here.
-                part[0] = _line(shots[first][0], speed, (), shots[first][2])
+                part[0] = _line(shots[first][0], (), *shots[first][2:])
             texts.append(iter([",".join(COLUMNS) + "\n", *part]))
     return texts
 
@@ -102,35 +101,37 @@ def _shared(plan: Plan) -> int:
     return int(plan.mission.trigger == BY_DISTANCE)
 
 
-def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float]]:
-    """Waypoints of a sortie in the air, with the actions at each, and the distance between images after it.
+def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float, float]]:
+    """Waypoints of a sortie in the air, with the actions at each, the distance between images after it, and the speed.
 
     If the camera is triggered by distance, a row has waypoints only at its ends and, over relief, at its bends.
     """
     # Hovering for an image takes 1000 ms.
     hover = (_STAY, 1000) if plan.mission.trigger == HOVER else ()
     flown = [one for one in waypoints(plan, sortie) if one.kind not in (TAKEOFF, LANDING)]
-    if plan.mission.trigger != BY_DISTANCE:
-        for one in flown:
-            yield one, (*hover, _TAKE_PHOTO, 0) if one.is_capture else (), -1.0
-        return
     points = sorties(plan)[sortie]
+    speeds = np.minimum(points.speed_m_per_s, MAX_SPEED_M_PER_S).tolist()
+    if plan.mission.trigger != BY_DISTANCE:
+        for one, speed in zip(flown, speeds):
+            yield one, (*hover, _TAKE_PHOTO, 0) if one.is_capture else (), -1.0, speed
+        return
     way_m = legs(points.lat_deg, points.lon_deg).distance_m
     spacing_m = {}
     for first, last in points.runs(plan):
         spacing_m.update(dict.fromkeys(range(first, last), float(way_m[first:last].min(initial=np.inf))))
     for at in np.flatnonzero(points.waypoints(plan)).tolist():
-        yield flown[at], (_TAKE_PHOTO, 0) if flown[at].is_capture else (), spacing_m.get(at, -1.0)
+        yield flown[at], (_TAKE_PHOTO, 0) if flown[at].is_capture else (), spacing_m.get(at, -1.0), speeds[at]
 
 
 def litchi_notes(plan: Plan) -> tuple[str, ...]:
     """Notes on what the file cannot express, one line each."""
     notes = [Message("in Litchi set Heading Mode to Custom and Path Mode to Straight Lines, which the file cannot say")]
-    if plan.mission.flight.airspeed_m_per_s > MAX_SPEED_M_PER_S:
+    fastest = float(plan.airspeeds_m_per_s.max())
+    if fastest > MAX_SPEED_M_PER_S:
         notes.append(
             Message(
                 "the speed of {0:g} m/s is reduced to Litchi's {1:g} m/s",
-                plan.mission.flight.airspeed_m_per_s,
+                fastest,
                 MAX_SPEED_M_PER_S,
             )
         )
@@ -141,7 +142,7 @@ def litchi_notes(plan: Plan) -> tuple[str, ...]:
     return (*waypoint_notes(plan), *notes)
 
 
-def _line(one: Waypoint, speed_m_per_s: float, actions: tuple[int, ...], spacing_m: float) -> str:
+def _line(one: Waypoint, actions: tuple[int, ...], spacing_m: float, speed_m_per_s: float) -> str:
     # Eight decimals of a degree are a millimetre. Rounding before the modulo keeps headings below 360.
     heading = round(one.heading_deg, 2) % 360.0
     actions = (*actions, *(_NONE, 0) * (ACTIONS - len(actions) // 2))

@@ -55,7 +55,7 @@ def check_qgroundcontrol(plan: Plan) -> None:
         points, triggers = len(sortie), int(np.count_nonzero(sortie.capture >= 0))
         if by_distance:
             points, triggers = int(np.count_nonzero(sortie.waypoints(plan))), _EACH * len(sortie.runs(plan))
-        turned = int(np.count_nonzero(np.diff(sortie.gimbal_pitch_deg)))
+        turned = sum(int(np.count_nonzero(np.diff(one))) for one in (sortie.gimbal_pitch_deg, sortie.speed_m_per_s))
         # Over relief the way back takes up to two items.
         back = 0 if plan.relief.is_level else 2
         if points + triggers + turned + back + _AROUND > MAX_ITEMS:
@@ -76,9 +76,7 @@ def check_qgroundcontrol(plan: Plan) -> None:
 
 def qgroundcontrol_texts(plan: Plan) -> list[Iterator[str]]:
     """Text of the plan of each sortie, in blocks."""
-    return [
-        plan_text(plan_object(plan, sortie), simple_items(_commands(plan, sortie), first=1)) for sortie in sorties(plan)
-    ]
+    return [plan_text(plan_object(sortie), simple_items(_commands(plan, sortie), first=1)) for sortie in sorties(plan)]
 
 
 def plan_text(whole: dict[str, Any], items: Iterable[dict[str, Any]]) -> Iterator[str]:
@@ -109,9 +107,9 @@ def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
     return *waypoint_notes(plan), heights
 
 
-def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict[str, Any]:
+def plan_object(sortie: Sortie, mixed_heights: bool = False) -> dict[str, Any]:
     """JSON object of a plan, without its items."""
-    speed = plan.mission.flight.airspeed_m_per_s
+    speed = float(sortie.speed_m_per_s[0])
     return {
         "fileType": "Plan",
         "geoFence": {"circles": [], "polygons": [], "version": 2},
@@ -153,18 +151,16 @@ def simple_items(commands: Iterable[Command], first: int) -> Iterator[dict[str, 
 
 
 def _commands(plan: Plan, sortie: Sortie) -> Iterator[Command]:
-    yield from departure(plan, sortie)
+    yield from departure(sortie)
     yield from flight(plan, sortie)
     yield from return_home(plan, sortie)
 
 
-def departure(plan: Plan, sortie: Sortie) -> Iterator[Command]:
+def departure(sortie: Sortie) -> Iterator[Command]:
     """Take-off, speed and gimbal."""
     height = float(sortie.height_m[0])
     yield Command(NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, *sortie.home, height))
-    speed = plan.mission.flight.airspeed_m_per_s
-    # Type 1 is ground speed.
-    yield Command(DO_CHANGE_SPEED, FRAME_MISSION, (1, speed, -1, 0, 0, 0, 0))
+    yield _speed(float(sortie.speed_m_per_s[0]))
     yield _gimbal(float(sortie.gimbal_pitch_deg[0]))
 
 
@@ -182,7 +178,7 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
     """Waypoints and triggers of the camera.
 
     If the camera is triggered by distance, a row has waypoints only at its ends and, over relief, at its bends. The
-    gimbal turns on the leg to a waypoint with another pitch.
+    gimbal turns on the leg to a waypoint with another pitch, which is flown at the speed of the waypoint.
     """
     trigger = plan.mission.trigger
     by_distance = trigger == BY_DISTANCE
@@ -190,7 +186,7 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
     is_waypoint = sortie.waypoints(plan) if by_distance else np.ones(len(sortie), bool)
     # Hovering for an image takes 1 s.
     hold = 1.0 if trigger == HOVER else 0
-    last, previous_pitch = -1, float(sortie.gimbal_pitch_deg[0])
+    last, previous_pitch, previous_speed = -1, float(sortie.gimbal_pitch_deg[0]), float(sortie.speed_m_per_s[0])
     points = zip(
         sortie.lat_deg.tolist(),
         sortie.lon_deg.tolist(),
@@ -198,10 +194,14 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
         sortie.heading_deg.tolist(),
         sortie.gimbal_pitch_deg.tolist(),
         sortie.capture.tolist(),
+        sortie.speed_m_per_s.tolist(),
     )
-    for at, (lat, lon, height, heading, pitch, capture) in enumerate(points):
+    for at, (lat, lon, height, heading, pitch, capture, speed) in enumerate(points):
         if not is_waypoint[at]:
             continue
+        if speed != previous_speed:
+            yield _speed(speed)
+            previous_speed = speed
         if pitch != previous_pitch:
             yield _gimbal(pitch)
             previous_pitch = pitch
@@ -227,6 +227,11 @@ def spacing_m(sortie: Sortie, first: int, last: int) -> float:
 def _trigger_distance(spacing: float) -> Command:
     """Trigger the camera now and every ``spacing`` metres; 0 takes a last image and stops, as in QGroundControl."""
     return Command(DO_SET_CAM_TRIGG_DIST, FRAME_MISSION, (spacing, 0, 1, 0, 0, 0, 0))
+
+
+def _speed(speed_m_per_s: float) -> Command:
+    # Type 1 is ground speed.
+    return Command(DO_CHANGE_SPEED, FRAME_MISSION, (1, speed_m_per_s, -1, 0, 0, 0, 0))
 
 
 def _gimbal(pitch_deg: float) -> Command:

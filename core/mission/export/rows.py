@@ -32,7 +32,7 @@ def parts(count: int) -> Iterator[slice]:
 
 def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
     """Columns of the table, batch by batch, as Python values."""
-    left = plan.grid.wrapped_px(plan.windows.left_px, plan.zoom)
+    left = plan.wrapped_left_px
     poses = plan.poses._replace(lon_deg=wrap_lon_deg(plan.lon_deg))
     columns = {**poses._asdict(), **plan.windows._replace(left_px=left)._asdict()}
     if not plan.relief.is_level:
@@ -43,7 +43,7 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
             "name": plan.names[part],
             "column": plan.column[part].tolist(),
             "row": plan.row[part].tolist(),
-            "zoom": [plan.zoom] * len(plan.column[part]),
+            "zoom": plan.zooms[part].tolist(),
             **{name: values[part].tolist() for name, values in columns.items()},
         }
         if plan.direct.has_times:

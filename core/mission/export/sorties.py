@@ -45,6 +45,8 @@ class Sortie:
         Index of the capture in the plan; -1 at other points.
     time_s : array
         Seconds after the first capture of the plan.
+    speed_m_per_s : array
+        Airspeed towards each point.
     """
 
     takeoff: tuple[float, float] | None
@@ -57,6 +59,7 @@ class Sortie:
     gimbal_pitch_deg: Floats
     capture: Numbers
     time_s: Floats
+    speed_m_per_s: Floats
 
     def __len__(self) -> int:
         return len(self.capture)
@@ -73,6 +76,7 @@ class Sortie:
             gimbal_pitch_deg=self.gimbal_pitch_deg[which],
             capture=self.capture[which],
             time_s=self.time_s[which],
+            speed_m_per_s=self.speed_m_per_s[which],
         )
 
     def part(self, which: slice) -> Sortie:
@@ -266,6 +270,7 @@ def sorties(plan: Plan) -> list[Sortie]:
             pitch[captures_ahead],
             capture,
             path.time_s[flown],
+            plan.airspeeds_m_per_s[captures_ahead],
         )
         found.append(whole.part(slice(None)))
     return found

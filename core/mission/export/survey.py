@@ -79,6 +79,12 @@ class _SurveyRows(NamedTuple):
 def check_survey(plan: Plan) -> None:
     """Raise InvalidInput for a mission that a survey cannot represent."""
     check_qgroundcontrol(plan)
+    if plan.joints:
+        raise InvalidInput(
+            "QGroundControl survey: takes one mission, and {0} are joined",
+            len(plan.joints) + 1,
+            remedy="choose the ending .plan",
+        )
     area, meant = plan.mission.area, plan.meant
     one_polygon = isinstance(area, Box) or (isinstance(area, Polygon) and len(area.rings) == 1)
     if not one_polygon:
@@ -132,12 +138,12 @@ def survey_notes(plan: Plan) -> tuple[str, ...]:
 def _text(plan: Plan, sortie: Sortie) -> Iterator[str]:
     captures = np.flatnonzero(sortie.capture >= 0)
     first, end = int(captures[0]), int(captures[-1]) + 1
-    before = list(simple_items(chain(departure(plan, sortie), _way(plan, sortie.take(slice(0, first)))), 1))
+    before = list(simple_items(chain(departure(sortie), _way(plan, sortie.take(slice(0, first)))), 1))
     item = _survey(plan, sortie.take(slice(first, end)), len(before) + 1)
     number = len(before) + 1 + len(item["TransectStyleComplexItem"]["Items"])
     after = chain(_way(plan, sortie.take(slice(end, len(sortie)))), return_home(plan, sortie))
     return plan_text(
-        plan_object(plan, sortie, mixed_heights=_follows_terrain(plan)),
+        plan_object(sortie, mixed_heights=_follows_terrain(plan)),
         chain(before, [item], simple_items(after, number)),
     )
 

@@ -101,7 +101,7 @@ def check_wpml(plan: Plan) -> None:
             high_deg,
             90.0 + high_deg,
         )
-    speed = plan.mission.flight.airspeed_m_per_s
+    speed = float(plan.airspeeds_m_per_s.min())
     if speed < MIN_SPEED_M_PER_S:
         raise InvalidInput(
             "DJI mission at {0:g} m/s: must be {1:g} to {2:g} m/s",
@@ -129,18 +129,19 @@ def _parts(plan: Plan) -> list[Sortie]:
 
 def wpml_notes(plan: Plan) -> tuple[str, ...]:
     """Notes on what the files cannot express and what the pilot has to know, one line each."""
-    drone, flight = _drone(plan), plan.mission.flight
+    drone = _drone(plan)
     titles = field_named(Route, "drone").choices
     notes = [
         Message("the file is for the drone {0}", Message(titles[plan.mission.route.drone])),
         Message("not flown yet: files for DJI's programs were checked by their structure and by reading them back"),
         _height_note(_parts(plan)),
     ]
-    if flight.airspeed_m_per_s > MAX_SPEED_M_PER_S:
+    fastest = float(plan.airspeeds_m_per_s.max())
+    if fastest > MAX_SPEED_M_PER_S:
         notes.append(
             Message(
                 "the speed of {0:g} m/s is reduced to DJI's {1:g} m/s",
-                flight.airspeed_m_per_s,
+                fastest,
                 MAX_SPEED_M_PER_S,
             )
         )
@@ -225,7 +226,7 @@ def _template(plan: Plan, sortie: Sortie) -> Iterator[str]:
             "<Folder>\n<wpml:templateType>waypoint</wpml:templateType>\n<wpml:templateId>0</wpml:templateId>\n"
             "<wpml:waylineCoordinateSysParam><wpml:coordinateMode>WGS84</wpml:coordinateMode>"
             "<wpml:heightMode>relativeToStartPoint</wpml:heightMode></wpml:waylineCoordinateSysParam>\n"
-            f"<wpml:autoFlightSpeed>{_speed(plan)}</wpml:autoFlightSpeed>\n"
+            f"<wpml:autoFlightSpeed>{_speed(sortie)}</wpml:autoFlightSpeed>\n"
             f"<wpml:globalHeight>{sortie.height_m[0]:.3f}</wpml:globalHeight>\n"
             "<wpml:caliFlightEnable>0</wpml:caliFlightEnable>\n"
             "<wpml:gimbalPitchMode>usePointSetting</wpml:gimbalPitchMode>\n"
@@ -253,7 +254,7 @@ def _waylines(plan: Plan, sortie: Sortie) -> Iterator[str]:
             "<wpml:executeHeightMode>relativeToStartPoint</wpml:executeHeightMode>\n<wpml:waylineId>0</wpml:waylineId>\n"
             f"<wpml:distance>{length_m:.1f}</wpml:distance>\n"
             f"<wpml:duration>{float(sortie.time_s[-1] - sortie.time_s[0]):.1f}</wpml:duration>\n"
-            f"<wpml:autoFlightSpeed>{_speed(plan)}</wpml:autoFlightSpeed>\n"
+            f"<wpml:autoFlightSpeed>{_speed(sortie)}</wpml:autoFlightSpeed>\n"
         )
     )
     yield from _placemarks(plan, sortie, executed=True)
@@ -286,7 +287,7 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
         "<wpml:executeRCLostAction>goBack</wpml:executeRCLostAction>\n"
         f"<wpml:takeOffSecurityHeight>{departure_m}</wpml:takeOffSecurityHeight>\n"
         f"{place if reference and not drone.is_dji_fly else ''}"
-        f"<wpml:globalTransitionalSpeed>{_speed(plan)}</wpml:globalTransitionalSpeed>\n"
+        f"<wpml:globalTransitionalSpeed>{_speed(sortie)}</wpml:globalTransitionalSpeed>\n"
         f"<wpml:globalRTHHeight>{return_m}</wpml:globalRTHHeight>\n"
         f"<wpml:droneInfo><wpml:droneEnumValue>{drone.kind}</wpml:droneEnumValue>"
         f"<wpml:droneSubEnumValue>{drone.variant}</wpml:droneSubEnumValue></wpml:droneInfo>\n"
@@ -297,6 +298,7 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
 def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
     """Waypoints of the file that is flown (``executed``) or edited."""
     rounding_m = _rounding_m(plan, sortie)
+    several_speeds = any(plan.airspeeds_m_per_s.strides)
     # DJI Fly does not know this element.
     risk = "" if _drone(plan).is_dji_fly else "<wpml:isRisky>0</wpml:isRisky>\n"
     for at, actions in enumerate(_actions(plan, sortie)):
@@ -312,14 +314,19 @@ def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
         if executed:
             settings = (
                 f"<wpml:executeHeight>{height:.3f}</wpml:executeHeight>\n"
-                f"<wpml:waypointSpeed>{_speed(plan)}</wpml:waypointSpeed>\n{heading}{turn}"
+                f"<wpml:waypointSpeed>{_speed(sortie, at)}</wpml:waypointSpeed>\n{heading}{turn}"
             )
         else:
+            speed = "<wpml:useGlobalSpeed>1</wpml:useGlobalSpeed>\n"
+            if several_speeds:
+                speed = (
+                    "<wpml:useGlobalSpeed>0</wpml:useGlobalSpeed>\n"
+                    f"<wpml:waypointSpeed>{_speed(sortie, at)}</wpml:waypointSpeed>\n"
+                )
             settings = (
                 f"<wpml:ellipsoidHeight>{height + sortie.base_m:.3f}</wpml:ellipsoidHeight>\n"
                 f"<wpml:height>{height:.3f}</wpml:height>\n<wpml:useGlobalHeight>0</wpml:useGlobalHeight>\n"
-                "<wpml:useGlobalSpeed>1</wpml:useGlobalSpeed>\n"
-                f"<wpml:useGlobalHeadingParam>0</wpml:useGlobalHeadingParam>\n{heading}"
+                f"{speed}<wpml:useGlobalHeadingParam>0</wpml:useGlobalHeadingParam>\n{heading}"
                 f"<wpml:useGlobalTurnParam>0</wpml:useGlobalTurnParam>\n{turn}"
                 f"<wpml:gimbalPitchAngle>{float(sortie.gimbal_pitch_deg[at]):.2f}</wpml:gimbalPitchAngle>\n"
             )
@@ -493,5 +500,5 @@ def _heading(heading_deg: float, executed: bool) -> str:
     )
 
 
-def _speed(plan: Plan) -> str:
-    return f"{min(plan.mission.flight.airspeed_m_per_s, MAX_SPEED_M_PER_S):.2f}"
+def _speed(sortie: Sortie, at: int = 0) -> str:
+    return f"{min(float(sortie.speed_m_per_s[at]), MAX_SPEED_M_PER_S):.2f}"

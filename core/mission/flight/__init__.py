@@ -9,4 +9,5 @@
 - `path`: the path of an aircraft: take-off, transits, lead-ins, captures and turns, in sorties
 - `alignment`: rows along the longest side of an area, or for the shortest flight
 - `pilot`: sorties, image interval and sun
+- `joined`: several missions flown as one
 """

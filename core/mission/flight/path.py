@@ -35,6 +35,8 @@ HOVER_S = 3.0
 SAG_SHARE = 0.1
 #: Distance kept from no-fly areas: about the position error of an aircraft.
 _NO_FLY_M = 5.0
+#: Least climb or descent that has a point: less is level flight.
+_CLIMB_M = 0.01
 #: Height by which a leg may be too low: less is noise.
 _NOISE_M = 1e-3
 
@@ -60,6 +62,21 @@ class Planned(Protocol):
     @property
     def ground_m(self) -> Floats:
         """Heights of the ground below captures, (n,)."""
+        ...
+
+    @property
+    def asked_agl_m(self) -> Floats:
+        """Requested heights above ground, (n,)."""
+        ...
+
+    @property
+    def airspeeds_m_per_s(self) -> Floats:
+        """Airspeed towards each capture, (n,); a value common to all takes no memory."""
+        ...
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Index of the first capture of each further mission of several in one flight."""
         ...
 
     @property
@@ -161,7 +178,7 @@ def flight_path(plan: Planned) -> FlightPath:
     """
     route = plan.mission.route
     is_routed = route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
-    if is_routed or plan.mission.no_fly:
+    if is_routed or plan.mission.no_fly or plan.joints:
         return _PathBuilder(plan).path()
     alone = _captures_only(plan)
     if plan.relief.is_level:
@@ -226,12 +243,11 @@ class _PathBuilder:
             np.arange(count, dtype=np.int64),
         )
         self._row, self._capture_ground = plan.row, ground
-        area, asked = self._mission.area, meant.agl_m
-        if area.covers_ground:
-            asked = np.minimum(asked, self._mission.flight.agl_m)
-        self._asked_agl = np.asarray(asked)
+        self._asked_agl, self._joints = np.asarray(plan.asked_agl_m), plan.joints
+        speeds = plan.airspeeds_m_per_s
+        self._airspeeds: Floats | None = speeds if any(speeds.strides) else None
         self._exposures_s = plan.direct.exposures_s
-        self._own_times = bool(area.times_s)
+        self._own_times = bool(self._mission.area.times_s)
         lat, lon = self._captures.lat, self._captures.lon
         middle = float(lat.min() + lat.max()) / 2.0, float(lon.min() + lon.max()) / 2.0
         self._plane = LocalPlane(*middle)
@@ -381,7 +397,28 @@ class _PathBuilder:
         before, entered = self._extensions(turns + 1, LEAD_IN)
         keys = np.concatenate([3 * self._captures.capture, 3 * left + 1, 3 * entered - 1])
         points = _Points.joined([self._captures, behind, before]).take(np.argsort(keys, kind="stable"))
-        return self._raise_legs(self._around(points))
+        # Points of the missions of one flight are separated before the lead-in of each.
+        keys.sort()
+        joints = np.searchsorted(keys, [3 * joint - 1 for joint in self._joints])
+        parts = [
+            self._raise_legs(self._around(points.take(slice(first, end))))
+            for first, end in zip([0, *joints], [*joints, len(keys)])
+        ]
+        whole = parts[:1]
+        for joint, part in zip(self._joints, parts[1:]):
+            last, first = whole[-1].take(slice(-1, None)), part.take(slice(0, 1))
+            agl_m = float(self._asked_agl[joint - 1 : joint + 1].max())
+            crossing = self._crossing(last, first, agl_m)
+            rises, falls = (float(crossing.height[0] - end.height[0]) > _CLIMB_M for end in (last, first))
+            whole += [crossing.take(slice(int(not rises), len(crossing.kind) - int(not falls))), part]
+        return _Points.joined(whole) if self._joints else parts[0]
+
+    def _crossing(self, start: _Points, end: _Points, agl_m: float) -> _Points:
+        """Level way from a point to another, both included, that is safe and no lower than either."""
+        ends = (one._replace(kind=np.full(1, TRANSIT, np.int8), capture=np.full(1, -1)) for one in (start, end))
+        across = self._around(_Points.joined([*ends]))
+        height_m = max(float(start.height[0]), float(end.height[0]), self._safe_height_m(across, agl_m))
+        return across._replace(height=np.full(len(across.kind), height_m))
 
     def _around(self, points: _Points) -> _Points:
         """Points with detours around no-fly areas."""
@@ -535,12 +572,8 @@ class _PathBuilder:
         if self._home is None:
             return place.take(slice(0, 0))
         home = np.array(self._home[:1]), np.array(self._home[1:])
-        start = _Points.create(TRANSIT, *home, place.height)
-        across = self._around(_Points.joined([start, place._replace(kind=start.kind, capture=start.capture)]))
-        cruise_m = max(float(place.height[0]), self._safe_height_m(across, float(self._asked_agl[capture])))
-        across = across._replace(height=np.full(len(across.kind), cruise_m))
-        # Within a centimetre there is no descent.
-        if cruise_m - float(place.height[0]) <= 0.01:
+        across = self._crossing(_Points.create(TRANSIT, *home, place.height), place, float(self._asked_agl[capture]))
+        if float(across.height[0] - place.height[0]) <= _CLIMB_M:
             across = across.take(slice(0, -1))
         takeoff = _Points.create(TAKEOFF, *home, np.array([self._base_m]))
         return _Points.joined([takeoff, across])
@@ -564,14 +597,23 @@ class _PathBuilder:
     def _legs_s(self, points: _Points) -> Floats:
         """Seconds of each leg, (m - 1,), with hovering at the capture where it begins."""
         flown_legs = legs(points.lat, points.lon)
-        flight, wind = self._mission.flight, self._mission.wind
-        speed: Floats | float = flight.airspeed_m_per_s
+        airspeed, wind = self._leg_airspeeds(points), self._mission.wind
+        speed: Floats | float = airspeed
         if wind is not None:
-            speed = wind.ground_speed_m_per_s(flown_legs.azimuth_deg, flight.airspeed_m_per_s)
+            speed = wind.ground_speed_m_per_s(flown_legs.azimuth_deg, airspeed)
         climb = self._mission.terrain.climb_m_per_s or CLIMB_M_PER_S
         seconds = np.maximum(flown_legs.distance_m / speed, np.abs(np.diff(points.height)) / climb)
         hovered: Floats = seconds + self._hover_s * (points.capture[:-1] >= 0)
         return hovered
+
+    def _leg_airspeeds(self, points: _Points) -> Floats | float:
+        """Airspeed of each leg, (m - 1,), or of all: that of the next capture, or of the last one if none follows."""
+        if self._airspeeds is None:
+            return self._mission.flight.airspeed_m_per_s
+        at = np.flatnonzero(points.capture >= 0)
+        ahead = at[np.minimum(np.searchsorted(at, np.arange(1, len(points.kind))), len(at) - 1)]
+        found: Floats = self._airspeeds[points.capture[ahead]]
+        return found
 
 
 def _nearby_rings(polygon: Polygon, lon_deg: float) -> list[tuple[Floats, Floats]]:

@@ -89,7 +89,7 @@ class Wind(CheckedFields):
         crab: Floats = np.degrees(np.arcsin(self.speed_m_per_s / airspeed_m_per_s * np.sin(against)))
         return crab
 
-    def ground_speed_m_per_s(self, heading_deg: Floats | float, airspeed_m_per_s: float) -> Floats:
+    def ground_speed_m_per_s(self, heading_deg: Floats | float, airspeed_m_per_s: Floats | float) -> Floats:
         """Speed over ground along a track, in m/s: above 0 where the airspeed exceeds the mean wind."""
         import numpy as np
 

@@ -141,6 +141,7 @@ TEMPLATE_MARK = [
     ("height", True, number(-1500.0, 1500.0)),
     ("useGlobalHeight", True, FLAG),
     ("useGlobalSpeed", True, FLAG),
+    ("waypointSpeed", False, SPEED),
     ("useGlobalHeadingParam", True, FLAG),
     ("waypointHeadingParam", False, HEADING),
     ("useGlobalTurnParam", True, FLAG),
@@ -226,6 +227,7 @@ class Mark(NamedTuple):
     heading_deg: float
     turn: str
     groups: list
+    speed_m_per_s: float
 
 
 def checked(element, rules, namespace):
@@ -305,6 +307,7 @@ class Wpml:
             float(self.text(element, "waypointHeadingParam/waypointHeadingAngle")) % 360.0,
             self.text(element, "waypointTurnParam/waypointTurnMode"),
             [self._group(one) for one in element.findall(self.path("actionGroup"))],
+            float(self.text(element, "waypointSpeed")),
         )
 
     def _group(self, element):

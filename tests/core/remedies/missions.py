@@ -18,6 +18,7 @@ from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import imagery_warnings, upsampling_warnings
 from terrainav.core.mission.export import litchi, qgroundcontrol, wpml, write_plan
 from terrainav.core.mission.export.rows import clock
+from terrainav.core.mission.flight.joined import join_plans
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.pose_table import read_poses
@@ -394,6 +395,17 @@ def _not_a_survey(case: Case, area: Any, **changes: Any) -> None:
 )
 def _survey_of_points(case: Case) -> None:
     _not_a_survey(case, Points(POSES))
+
+
+@remedy(
+    "mission/export/survey.py",
+    "QGroundControl survey: takes one mission, and {} are joined; choose the ending .plan",
+)
+def _survey_joined(case: Case) -> None:
+    flown = plan(Mission(AREA, 120.0), GRID)
+    joined = join_plans([flown, flown], ["one", "other"])
+    case.refused(lambda: write_plan(joined, case.tmp_path / "flight.survey.plan"))
+    case.follow("choose the ending .plan", lambda: write_plan(joined, case.tmp_path / "flight.plan").files)
 
 
 @remedy(
