@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
+from ..core.errors import Message
 from .i18n import tr
 from .tasks import LatestWorker, single_shot
 
@@ -17,17 +18,23 @@ if TYPE_CHECKING:
     from ..core.mission.estimate import Summary
     from ..core.mission.mission import Mission
     from ..core.mission.plan import Plan
+    from .sources import MissionPlans
 
 #: Pause in typing before planning starts.
 _PAUSE_MS = 150
 
 
 class PlannedMission(NamedTuple):
-    """A mission and its plan."""
+    """A mission, its plans, and the summary of all of them."""
 
     mission: Mission
-    plan: Plan
+    plans: MissionPlans
     summary: Summary
+
+    @property
+    def plan(self) -> Plan:
+        """Plan of the first imagery."""
+        return self.plans.first
 
 
 class Planner(QObject):
@@ -49,7 +56,7 @@ class Planner(QObject):
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._wanted: tuple[Mission, Callable[[], PixelGrid], bool] | None = None
+        self._wanted: tuple[Mission, dict[str, Callable[[], PixelGrid]], bool] | None = None
         self._worker = LatestWorker("plan", self)
         self._worker.failed.connect(self.refused)
         self._pause = single_shot(self._start, self, _PAUSE_MS)
@@ -61,10 +68,10 @@ class Planner(QObject):
 
     def request(self, mission: Mission, at_once: bool = False, timed: bool = True) -> None:
         """Request a plan, to be emitted by `planned` (or an error by `refused`), then `costed` if ``timed``."""
-        from .sources import grid_finder
+        from .sources import grid_finders
 
         self._worker.forget()
-        self._wanted = (mission, grid_finder(mission), timed)
+        self._wanted = (mission, grid_finders(mission), timed)
         self._pause.start(0 if at_once else _PAUSE_MS)
 
     def forget(self) -> None:
@@ -80,8 +87,8 @@ class Planner(QObject):
 
     def _start(self) -> None:
         if self._wanted is not None:
-            (mission, find_grid, timed), self._wanted = self._wanted, None
-            self._worker.ask(partial(_plan, mission, find_grid), partial(self._deliver, timed))
+            (mission, find_grids, timed), self._wanted = self._wanted, None
+            self._worker.ask(partial(_plan, mission, find_grids), partial(self._deliver, timed))
 
     def _deliver(self, timed: bool, planned: PlannedMission) -> None:
         if timed:
@@ -89,14 +96,40 @@ class Planner(QObject):
         self.planned.emit(planned)
 
 
-def _plan(mission: Mission, find_grid: Callable[[], PixelGrid], overtaken: Callable[[], bool]) -> PlannedMission | None:
+def _plan(
+    mission: Mission, find_grids: dict[str, Callable[[], PixelGrid]], overtaken: Callable[[], bool]
+) -> PlannedMission | None:
     """Plan step by step, ending early if overtaken. Runs on the planner's thread."""
     from ..core.mission.estimate import estimate
-    from .sources import plan_mission, request_costs
+    from .sources import plan_imageries, request_costs
 
-    steps = plan_mission(mission, find_grid)
-    return (
-        None if overtaken() else PlannedMission(mission, steps, estimate(steps, request_costs(mission.imagery.source)))
+    plans = plan_imageries(mission, find_grids)
+    summaries = {}
+    for name, one in plans.by_imagery.items():
+        if overtaken():
+            return None
+        summaries[name] = estimate(one, request_costs(one.mission.imagery.source))
+    return PlannedMission(mission, plans, summary_of_all(summaries))
+
+
+def summary_of_all(summaries: dict[str, Summary]) -> Summary:
+    """Summary of the first imagery, with the tiles, bytes and times of all."""
+    first, *others = summaries.values()
+    if not others:
+        return first
+    added = ("unique_tiles", "download_bytes", "output_bytes", "seconds")
+    warnings = [
+        Message("{0}: {1}", name, warning)
+        for name, one in summaries.items()
+        for warning in one.warnings
+        if one is not first and warning not in first.warnings
+    ]
+    return replace(
+        first,
+        **{name: sum(getattr(one, name) for one in summaries.values()) for name in added},
+        # Local pixels need no download, unless some of them are from a server.
+        pixels_from=next((one.pixels_from for one in summaries.values() if one.download_bytes), first.pixels_from),
+        warnings=(*first.warnings, *warnings),
     )
 
 
@@ -110,5 +143,5 @@ def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
     if int(plan.frames.width_px[0]) * int(plan.frames.height_px[0]) > 4_000_000:
         return tr("not timed, as the images are large")
     # Use a copy of the plan: the views that it caches belong to the capture.
-    bands = mission_bands(planned.mission)
-    return timed_cost(replace(plan), bands).text(len(plan) * len(planned.mission.imagery.map_types))
+    bands = mission_bands(plan.mission)
+    return timed_cost(replace(plan), bands).text(planned.plans.images)

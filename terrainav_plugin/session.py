@@ -324,13 +324,11 @@ class Session(QObject):
 
     def _hide_planned(self, folder: Path) -> None:
         """Hide the planned images of a captured mission, but not if another mission has been planned since."""
-        from ..core.capture.folder import holds_mission
-
         planned = self.planned
         if planned is None or not self.planning.is_entered(planned.mission):
             return
         is_here = self.group().is_same(self.open_project.mission_group(folder))
-        if is_here and holds_mission(planned.plan, folder):
+        if is_here and planned.plans.are_in(folder):
             self.preview.set_footprints_visible(False)
 
     # --- smaller reactions

@@ -5,12 +5,13 @@ from __future__ import annotations
 import html
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import quote
 
 from qgis.core import QgsProject
 
-from ..core.errors import InvalidInput, SourceError
+from ..core.errors import InvalidInput, SourceError, TerrAInavError
 from .credentials import credential_problem, read_key
 from .form.mission_form import FormError
 from .i18n import number_text, tr, translate
@@ -31,6 +32,62 @@ if TYPE_CHECKING:
     from ..core.mission.plan import Plan
     from ..core.mission.relief.ground import Heights
     from .network.transport import QgisTransport
+
+
+class MissionPlans(NamedTuple):
+    """A mission and its plan, or its plans by the names of several imageries.
+
+    Parameters
+    ----------
+    mission : Mission
+    by_imagery : dict of str to Plan
+        One plan with an empty name, unless the mission has several imageries.
+    """
+
+    mission: Mission
+    by_imagery: dict[str, Plan]
+
+    @property
+    def first(self) -> Plan:
+        """Plan of the first imagery; all plans have the same flight."""
+        return next(iter(self.by_imagery.values()))
+
+    @property
+    def captured(self) -> Mission:
+        """Mission as its dataset has it."""
+        return self.mission if self.mission.imagery.imageries else self.first.mission
+
+    @property
+    def images(self) -> int:
+        """Number of images, of all map types and imageries."""
+        return sum(len(plan) * len(plan.mission.imagery.map_types) for plan in self.by_imagery.values())
+
+    @property
+    def requests(self) -> dict[str, int]:
+        """Number of requests for each imagery, with those for others under the same terms."""
+        from ..core.imagery.catalogue import shared_requests
+
+        own = {name: one.requests * len(one.mission.imagery.map_types) for name, one in self.by_imagery.items()}
+        if len(own) == 1:
+            return own
+        missions = {name: one.mission for name, one in self.by_imagery.items()}
+        named = [name for name, one in missions.items() if not is_of_qgis(one.imagery.source)]
+        asked = [(_named(missions[name].imagery.source, _options(missions[name])), own[name]) for name in named]
+        # The layers of a project are under the terms of their own servers.
+        return {**own, **dict(zip(named, shared_requests(asked)))}
+
+    def are_in(self, folder: Path) -> bool | None:
+        """Whether a folder is a dataset of the mission; None without a readable mission."""
+        from ..core.capture.folder import captured_mission, holds_mission
+
+        several = bool(self.mission.imagery.imageries)
+        return holds_mission(self.mission if several else captured_mission(self.first), folder)
+
+
+def each_imagery(mission: Mission) -> dict[str, Mission]:
+    """Missions by the names of several imageries; the mission itself, with an empty name, if it has one."""
+    return mission.missions_by_imagery or {"": mission}
+
 
 WORLD = "world"
 #: Public elevation tiles.
@@ -84,6 +141,35 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
 
         return refuse
     return lambda: grid
+
+
+def grid_finders(mission: Mission) -> dict[str, Callable[[], PixelGrid]]:
+    """Results of `grid_finder` for each imagery. Call on the main thread."""
+    return {name: grid_finder(one) for name, one in each_imagery(mission).items()}
+
+
+def plan_imageries(mission: Mission, find_grids: dict[str, Callable[[], PixelGrid]]) -> MissionPlans:
+    """Plans of a mission for each of its imageries; on any thread.
+
+    Raises
+    ------
+    InvalidInput, SourceError
+        As from `plan_mission`; with the name of the imagery, unless it is the first.
+    """
+    plans: dict[str, Plan] = {}
+    for name, one in each_imagery(mission).items():
+        try:
+            plan = plan_mission(one, find_grids[name])
+            if plans and plan.imagery.share == 0.0:
+                raise InvalidInput(tr("its source has no imagery of the area"))
+        except TerrAInavError as wrong:
+            if not plans:
+                raise
+            # Entries of the panel are of the first imagery.
+            reason = next(iter(wrong.messages.values())) if isinstance(wrong, FormError) else wrong
+            raise InvalidInput("{0}: {1}", name, reason, field="imageries") from wrong
+        plans[name] = plan
+    return MissionPlans(mission, plans)
 
 
 def plan_mission(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:

@@ -184,13 +184,13 @@ def is_mark(mark: bytes, mission: Mission) -> bool:
     return found == mission or found.replace(crs=found.imagery.crs or mission.imagery.crs) == mission
 
 
-def holds_mission(plan: Plan, folder: Path) -> bool | None:
-    """Whether a folder is a dataset of a plan's mission; None if it holds no readable mission."""
+def holds_mission(mission: Mission, folder: Path) -> bool | None:
+    """Whether a folder is a dataset of a mission, as `captured_mission` states it; None without a readable mission."""
     try:
         mark = read_existing(folder / MISSION_FILE, MAX_MISSION_BYTES)
     except (InvalidInput, OutputError):
         return None
-    return None if mark is None else is_mark(mark, captured_mission(plan))
+    return None if mark is None else is_mark(mark, mission)
 
 
 def check_captured(root: Path) -> None:

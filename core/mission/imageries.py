@@ -64,10 +64,13 @@ class NamedImagery:
         # An address may also contain an @, so only an @ before a year begins a date.
         if found := re.fullmatch(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", rest, re.DOTALL):
             rest, date = found.groups()
-        if not is_named:
-            parts = (_short_name(rest), date, map_type if map_type != SATELLITE else "")
-            name = folder_name("-".join(filter(None, parts))) or "imagery"
-        return cls(name, rest, date, map_type)
+        return cls(name, rest, date, map_type) if is_named else cls.unnamed(rest, date, map_type)
+
+    @classmethod
+    def unnamed(cls, source: str, date: str = "", map_type: str = SATELLITE) -> NamedImagery:
+        """Imagery with a name made from the rest; raises InvalidInput."""
+        parts = (_short_name(source), date, map_type if map_type != SATELLITE else "")
+        return cls(folder_name("-".join(filter(None, parts))) or "imagery", source, date, map_type)
 
     def __str__(self) -> str:
         date = f"@{self.date}" if self.date else ""

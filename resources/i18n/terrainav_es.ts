@@ -1924,16 +1924,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>Split undone. As before it: {parts}.</source>
-        <translation>División deshecha. Como antes: {parts}.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>Split undone: the images are in no part, and there are no labels.</source>
-        <translation>División deshecha: las imágenes no están en ninguna parte y no hay etiquetas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <source>Splitting method</source>
         <translation>Método de división</translation>
     </message>
@@ -1951,6 +1941,16 @@
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <source>The same seed gives the same split.</source>
         <translation>La misma semilla da la misma división.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>The split is undone. As before it: {parts}.</source>
+        <translation>La división está deshecha. Como antes: {parts}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>The split is undone: the images are in no part, and there are no labels.</source>
+        <translation>La división está deshecha: las imágenes no están en ninguna parte y no hay etiquetas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -2991,6 +2991,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>several imageries: tick one map type here, and add the others as imagery</source>
+        <translation>varias fuentes: marque aquí un solo tipo de mapa y añada los demás como fuentes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>southern edge</source>
         <translation>borde sur</translation>
     </message>
@@ -2998,6 +3003,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>take-off “{text}”: must be a latitude and a longitude, such as {example}</source>
         <translation>despegue «{text}»: debe ser una latitud y una longitud, como {example}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>this source cannot be one of several: save it under another name first</source>
+        <translation>esta fuente no puede ser una de varias: guárdela antes con otro nombre</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -4055,6 +4065,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{images} of {count} imageries</source>
+        <translation>{images} de {count} fuentes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{lost}; {held} of the area</source>
         <translation>{lost}; {held} del área</translation>
     </message>
@@ -4087,6 +4102,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{stage}: {name}, ≤ {px} px</source>
         <translation>{stage}: {name}, ≤ {px} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{text}, for each of {count} imageries</source>
+        <translation>{text}, de cada una de las {count} fuentes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -4255,6 +4275,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Source</source>
@@ -4295,6 +4316,83 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <source>date</source>
         <translation>fecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_dialog.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Name</source>
+        <translation>Nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_dialog.py"/>
+        <source>Name of the imagery, and of its folder</source>
+        <translation>Nombre de la fuente y de su carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_dialog.py"/>
+        <source>TerrAInav: add imagery</source>
+        <translation>TerrAInav: añadir fuente de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_dialog.py"/>
+        <source>TerrAInav: imagery</source>
+        <translation>TerrAInav: fuente de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_dialog.py"/>
+        <source>imagery “{name}”: is there already</source>
+        <translation>fuente «{name}»: ya existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Add imagery…</source>
+        <translation>Añadir imágenes…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Capture another date or source over the same ground, into a folder of its own</source>
+        <translation>Capturar otra fecha o fuente sobre el mismo terreno, en una carpeta propia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Change the selected imagery</source>
+        <translation>Cambiar la fuente seleccionada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Change…</source>
+        <translation>Cambiar…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Date, type</source>
+        <translation>Fecha, tipo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Remove</source>
+        <translation>Quitar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Remove the selected imagery from the mission</source>
+        <translation>Quitar de la misión la fuente seleccionada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Rename</source>
+        <translation>Renombrar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>Rename the selected imagery, and its folder</source>
+        <translation>Renombrar la fuente seleccionada y su carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
+        <source>as above</source>
+        <translation>la de arriba</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -4933,11 +5031,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Licence of the imagery, such as CC BY 4.0</source>
         <translation>Licencia de las imágenes, como CC BY 4.0</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
-        <source>Name</source>
-        <translation>Nombre</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -5768,6 +5861,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>Capture failed images again</source>
         <translation>Capturar de nuevo las imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Captured images, {name}</source>
+        <translation>Imágenes capturadas, {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -7178,6 +7276,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>Sources that allow it: {names}.</source>
         <translation>Fuentes que lo permiten: {names}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>its source has no imagery of the area</source>
+        <translation>su fuente no tiene imágenes del área</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>

@@ -16,6 +16,8 @@ from ..paths import open_in_system
 from .run import BackgroundRun, Stage, done_text, note_saved_images
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ..dataset.placing import OpenProject
     from ..map.mission_group import MissionGroup
     from ..messages import Messages
@@ -64,13 +66,14 @@ class Endings(QObject):
         """Forget all runs, so that nothing more is shown."""
         self._begun_in.clear()
 
-    def show_failed(self, run: BackgroundRun, layer: QgsVectorLayer | None) -> None:
-        """Show the images that have failed so far."""
+    def show_failed(self, run: BackgroundRun, place: Path, layer: QgsVectorLayer | None) -> None:
+        """Show the images in a folder that have failed so far."""
         if self._is_open(run) and not run.test_shot:
-            group = self._open_project.mission_group(run.folder)
+            group = self._open_project.mission_group(place)
             show_failed(group, layer)
             if layer is not None:
-                group.remember_mission(run.mission.to_json())
+                mission = run.mission.missions_by_imagery.get(place.name, run.mission)
+                group.remember_mission(mission.to_json())
 
     def warn_of_mosaic(self, run: BackgroundRun, reason: str) -> None:
         """Warn before a capture that there will be no mosaic."""
@@ -98,12 +101,12 @@ class Endings(QObject):
             if run.task.picture is not None and is_open:
                 self._show(lambda: self._load_test_shot(run))
                 return
-        elif run.task.opened is not None and is_open and (run.result.written or run.result.skipped):
+        elif run.task.opened and is_open and (run.result.written or run.result.skipped):
             self._show(lambda: self._load_results(run))
         else:
             self._show(lambda: place_mosaics(self._open_project.project, run.task.mosaics))
         # Release layers that are not shown: the run stays listed, and they would keep files open.
-        run.task.opened = None
+        run.task.opened = []
         # The last message is shown on top: failures above all, then other problems.
         if run.task.failed or (run.result is not None and run.result.failed):
             self._tell_repeated(run)
@@ -124,7 +127,9 @@ class Endings(QObject):
     def _load_results(self, run: BackgroundRun) -> None:
         # Failed images count as changes: existing images with tiles that now count as missing are removed.
         changed = run.result is None or bool(run.result.written or run.result.failed)
-        show_results(self._open_project.mission_group(run.folder), run.task.opened, changed=changed)
+        # In reverse, as each is inserted above the others, and the first one must be on top.
+        for opened in reversed(run.task.opened):
+            show_results(self._open_project.mission_group(opened.folder), opened, changed=changed)
         # A complete set of images replaces the plan on the map; after a stop, the plan still shows what is missing.
         if run.stage is not Stage.STOPPED:
             self.shown.emit(run.folder)
@@ -176,7 +181,7 @@ class Endings(QObject):
         text = tr("{name}: {failed} of {total} images could not be captured ({reason}).").format(
             name=run.name,
             failed=number_text(run.task.failed or len(failed)),
-            total=number_text(len(run.plan) * len(run.mission.imagery.map_types)),
+            total=number_text(run.images),
             reason=reason,
         )
         lines = (f"{failure.map_type}/{failure.name}: {translate(failure.reason)}" for failure in failed)

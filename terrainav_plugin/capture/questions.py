@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,12 +16,12 @@ from ..i18n import tr, translate
 from ..paths import entered_folder, next_folder, path_key
 from ..remote.copies import read_only_reason
 from ..settings import Settings
-from ..sources import credentials_problem, terms_problem
+from ..sources import credentials_problem, each_imagery, terms_problem
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
-    from ...core.mission.plan import Plan
     from ..messages import Messages
+    from ..sources import MissionPlans
     from .run import BackgroundRun
 
 
@@ -61,23 +62,24 @@ class Questions:
         self._messages.refused(message, tr("Nothing to capture yet."))
         return False
 
-    def has_usable_key(self, source: str) -> bool:
-        """Whether a source's key or authentication can be used; shows the problem at the field otherwise."""
-        try:
-            problem = credentials_problem(source)
-        except TerrAInavError as wrong:
-            problem = translate(wrong)
-        if problem:
-            self._mark({"key": problem})
-            self._messages.refused(problem, tr("Nothing to capture yet."))
-        return not problem
+    def has_usable_keys(self, mission: Mission) -> bool:
+        """Whether the keys or authentication of a mission's sources can be used; shows a problem at its entry."""
+        for number, (name, one) in enumerate(each_imagery(mission).items()):
+            try:
+                problem = credentials_problem(one.imagery.source)
+            except TerrAInavError as wrong:
+                problem = translate(wrong)
+            if problem:
+                problem = f"{name}: {problem}" if number else problem
+                self._mark({"imageries" if number else "key": problem})
+                self._messages.refused(problem, tr("Nothing to capture yet."))
+                return False
+        return True
 
-    def belongs_to_another(self, plan: Plan, folder: Path, *, may_count_on: bool = False) -> bool:
+    def belongs_to_another(self, plans: MissionPlans, folder: Path, *, may_count_on: bool = False) -> bool:
         """Whether the folder holds another mission; if so, use the next free folder if allowed, or offer it."""
-        from ...core.capture.folder import holds_mission
-
         # The run itself reports what cannot be read.
-        if holds_mission(plan, folder) is not False:
+        if plans.are_in(folder) is not False:
             return False
         text = tr("{folder} holds another mission; nothing was changed there.")
         self._offer_other(folder, text, may_count_on=may_count_on)
@@ -115,13 +117,28 @@ class Questions:
             action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
         )
 
-    def check_limits(self, mission: Mission, requests: int) -> bool:
-        """Whether a source's terms can allow a run, with or without the user's consent; reports it if not."""
-        problem = terms_problem(mission, requests)
-        return problem is None or problem[1] or self.terms_allow(mission, requests)
+    def check_limits(self, plans: MissionPlans) -> bool:
+        """Whether the terms of the sources can allow a run, with or without consent; reports it if not."""
+        for name, requests in plans.requests.items():
+            mission = plans.by_imagery[name].mission
+            problem = terms_problem(mission, requests)
+            if not (problem is None or problem[1] or self._terms_allow(mission, requests)):
+                return False
+        return True
 
-    def terms_allow(self, mission: Mission, requests: int) -> bool:
-        """Whether a source's terms allow a run; asks the user if consent is enough."""
+    def terms_allow(self, plans: MissionPlans, share: float = 1.0) -> bool:
+        """Whether the terms of the sources allow a run of a share of the images; asks where consent is enough."""
+        agreed: set[tuple[str, int]] = set()
+        for name, requests in plans.requests.items():
+            mission = plans.by_imagery[name].mission
+            asked = (mission.imagery.source, math.ceil(share * requests))
+            # Two dates of a source need one consent.
+            if asked not in agreed and not self._terms_allow(mission, asked[1]):
+                return False
+            agreed.add(asked)
+        return True
+
+    def _terms_allow(self, mission: Mission, requests: int) -> bool:
         problem = terms_problem(mission, requests)
         if problem is None:
             return True

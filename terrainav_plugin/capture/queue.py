@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -18,14 +17,14 @@ from ..form import mission_form
 from ..form.mission_form import FormError
 from ..i18n import number_text, tr, translate
 from ..settings import Settings
-from ..sources import grid_finder, mission_grid, source_key
+from ..sources import MissionPlans, each_imagery, grid_finders, mission_grid, source_key
 from .endings import Endings
 from .questions import Questions
 from .run import BackgroundRun
 from .unfinished import FindTask, PlanTask, Unfinished, UnfinishedCapture
 
 if TYPE_CHECKING:
-    from ...core.mission.plan import Plan
+    from ...core.mission.mission import Mission
     from ..dataset.placing import OpenProject
     from ..form.state import FormState
     from ..map.mission_group import MissionGroup
@@ -121,18 +120,24 @@ class Runs(QObject):
         return [run.folder for run in self.runs if not run.test_shot]
 
     def can_start(self, state: FormState) -> bool:
-        """Whether there is a folder for the capture, and the key of its source; reports what is missing."""
-        return self.questions.has_folder(state.folder) and self.questions.has_usable_key(state.source_name)
+        """Whether there is a folder for the capture, and the keys of its sources; reports what is missing."""
+        if not self.questions.has_folder(state.folder):
+            return False
+        try:
+            mission = mission_form.mission(state)
+        except FormError:
+            # Reported by planning.
+            return True
+        return self.questions.has_usable_keys(mission)
 
     def start(self, planned: PlannedMission, folder: Path, only_failed: bool = False) -> None:
         """Ask the questions about a capture, and put it into the queue."""
-        requests = self._requests(planned.plan)
         # First the problems that a choice of folder cannot solve.
-        if not self.questions.check_limits(planned.plan.mission, requests):
+        if not self.questions.check_limits(planned.plans):
             return
-        if self.questions.belongs_to_another(planned.plan, folder, may_count_on=not only_failed):
+        if self.questions.belongs_to_another(planned.plans, folder, may_count_on=not only_failed):
             return
-        self._enqueue(planned.plan, folder, only_failed, requests)
+        self._enqueue(planned.plans, folder, only_failed)
 
     def offer_unfinished(self) -> None:
         """Offer to resume unfinished captures of earlier sessions; changes nothing without consent."""
@@ -157,23 +162,23 @@ class Runs(QObject):
 
     def resume_unfinished(self, left: UnfinishedCapture) -> None:
         """Plan an unfinished capture of an earlier session again, and put it into the queue."""
-        if not self.questions.has_usable_key(left.mission.imagery.source):
+        if not self.questions.has_usable_keys(left.mission):
             return
-        task = PlanTask(left.mission, grid_finder(left.mission))
+        task = PlanTask(left.mission, grid_finders(left.mission))
         self._planning[task] = left
         task.begin(self._planned_again)
 
     def _planned_again(self, task: PlanTask) -> None:
         left = self._planning.pop(task)
-        if task.plan is None:
+        if task.plans is None:
             self._messages.failed(
                 tr("{name}: cannot be resumed: {reason}").format(
                     name=left.name, reason=translate(task.error) or tr("stopped")
                 ),
                 task.trace,
             )
-        elif not self.questions.belongs_to_another(task.plan, left.folder):
-            self._enqueue(task.plan, left.folder, left.only_failed, self._requests(task.plan))
+        elif not self.questions.belongs_to_another(task.plans, left.folder):
+            self._enqueue(task.plans, left.folder, left.only_failed)
 
     def capture_failed(self, run: BackgroundRun) -> None:
         """Capture the failed images of an ended run again, and nothing else."""
@@ -185,19 +190,18 @@ class Runs(QObject):
         self._capture_again(run, run.task.failed + images, only_failed=False)
 
     def _capture_again(self, run: BackgroundRun, images: int, *, only_failed: bool) -> None:
-        share = min(images / max(len(run.plan) * len(run.mission.imagery.map_types), 1), 1.0)
-        if not self.questions.has_usable_key(run.mission.imagery.source):
+        share = min(images / max(run.images, 1), 1.0)
+        if not self.questions.has_usable_keys(run.mission):
             return
-        requests = math.ceil(share * self._requests(run.plan))
-        if self._enqueue(run.plan, run.folder, only_failed, requests):
+        if self._enqueue(run.plans, run.folder, only_failed, share):
             self.dismiss(run)
 
     def resume(self, run: BackgroundRun) -> None:
         """Resume a paused run, or put a run that ended early into the queue again."""
         if not run.has_ended:
             run.pause(False)
-        elif self.questions.has_usable_key(run.mission.imagery.source):
-            self._enqueue(run.plan, run.folder, run.only_failed, self._requests(run.plan))
+        elif self.questions.has_usable_keys(run.mission):
+            self._enqueue(run.plans, run.folder, run.only_failed)
 
     def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
         """Capture one image above a point, with camera, height and source as entered."""
@@ -215,11 +219,11 @@ class Runs(QObject):
         except TerrAInavError as wrong:
             self._messages.refused(translate(wrong), tr("No test shot."))
             return
-        questions = self.questions
-        if questions.has_usable_key(mission.imagery.source) and questions.terms_allow(mission, steps.requests):
+        plans = MissionPlans(mission, {"": steps})
+        if self.questions.has_usable_keys(mission) and self.questions.terms_allow(plans):
             # QGIS removes its temporary files on exit.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
-            self._add(BackgroundRun(steps, folder, source_key(mission.imagery.source), test_shot=True))
+            self._add(BackgroundRun(plans, folder, _keys(mission), test_shot=True))
 
     def dismiss(self, run: BackgroundRun) -> None:
         """Remove an ended run from the list."""
@@ -244,17 +248,14 @@ class Runs(QObject):
             run.close()
         self.runs.clear()
 
-    @staticmethod
-    def _requests(plan: Plan) -> int:
-        return plan.requests * len(plan.mission.imagery.map_types)
-
-    def _enqueue(self, plan: Plan, folder: Path, only_failed: bool, requests: int) -> bool:
-        mission = plan.mission
-        if self.questions.is_queued(mission, folder, self.waiting) or not self.questions.terms_allow(mission, requests):
+    def _enqueue(self, plans: MissionPlans, folder: Path, only_failed: bool, share: float = 1.0) -> bool:
+        mission = plans.captured
+        if self.questions.is_queued(mission, folder, self.waiting) or not self.questions.terms_allow(plans, share):
             return False
         try:
-            # A copy of the plan: the views that it caches belong to the capture.
-            run = BackgroundRun(replace(plan), folder, source_key(mission.imagery.source), only_failed=only_failed)
+            # Copies of the plans: the views that they cache belong to the capture.
+            copies = {name: replace(plan) for name, plan in plans.by_imagery.items()}
+            run = BackgroundRun(plans._replace(by_imagery=copies), folder, _keys(mission), only_failed=only_failed)
         except TerrAInavError as wrong:
             self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))
             return False
@@ -293,3 +294,8 @@ class Runs(QObject):
         if self._was_idle != self.idle:
             self._was_idle = self.idle
             self.running.emit(not self.idle)
+
+
+def _keys(mission: Mission) -> dict[str, str | None]:
+    """API key of each imagery of a mission. Main thread only."""
+    return {name: source_key(one.imagery.source) for name, one in each_imagery(mission).items()}

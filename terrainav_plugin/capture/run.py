@@ -15,7 +15,7 @@ from .task import CaptureTask
 if TYPE_CHECKING:
     from ...core.capture.progress import CaptureResult, Progress
     from ...core.mission.mission import Mission
-    from ...core.mission.plan import Plan
+    from ..sources import MissionPlans
 
 
 class Stage(enum.Enum):
@@ -40,10 +40,10 @@ class BackgroundRun(QObject):
 
     Parameters
     ----------
-    plan : Plan
+    plans : MissionPlans
     folder : Path
-    key : str or None
-        API key.
+    keys : dict of str to (str or None)
+        API key of each imagery.
     test_shot, only_failed : bool
         As for `CaptureTask`.
 
@@ -51,8 +51,8 @@ class BackgroundRun(QObject):
     -------
     changed()
         The stage or the figures have changed.
-    failed_changed(object, object)
-        The run, and a layer of its dataset's failed images; None if no image has failed.
+    failed_changed(object, object, object)
+        The run, a folder of its dataset, and a layer of the images that have failed there; None if none has.
     mosaic_refused(object, str)
         The run, and why there will be no mosaic; emitted before the first image.
     ended(object)
@@ -65,33 +65,38 @@ class BackgroundRun(QObject):
     """
 
     changed = pyqtSignal()
-    failed_changed = pyqtSignal(object, object)
+    failed_changed = pyqtSignal(object, object, object)
     mosaic_refused = pyqtSignal(object, str)
     ended = pyqtSignal(object)
 
     def __init__(
         self,
-        plan: Plan,
+        plans: MissionPlans,
         folder: Path,
-        key: str | None,
+        keys: dict[str, str | None],
         *,
         test_shot: bool = False,
         only_failed: bool = False,
     ) -> None:
         super().__init__()
-        self.plan = plan
+        self.plans = plans
         self.folder = folder
         self.test_shot = test_shot
         self.only_failed = only_failed
         self.stage = Stage.WAITING
         self.progress: Progress | None = None
         self.percent = 0.0
-        self.task = CaptureTask(plan, folder, key, test_shot, only_failed)
+        self.task = CaptureTask(plans, folder, keys, test_shot, only_failed)
 
     @property
     def mission(self) -> Mission:
         """Mission to capture."""
-        return self.plan.mission
+        return self.plans.captured
+
+    @property
+    def images(self) -> int:
+        """Number of images of the dataset."""
+        return self.plans.images
 
     @property
     def name(self) -> str:
@@ -128,7 +133,7 @@ class BackgroundRun(QObject):
         """Start the task, when the run is first in the queue."""
         self.task.progressed.connect(self._progressed)
         self.task.progressChanged.connect(self._show_progress)
-        self.task.failed_changed.connect(lambda layer: self.failed_changed.emit(self, layer))
+        self.task.failed_changed.connect(lambda place, layer: self.failed_changed.emit(self, place, layer))
         self.task.mosaic_refused.connect(lambda reason: self.mosaic_refused.emit(self, reason))
         self._become(Stage.RUNNING)
         self.task.begin(self._ended)
@@ -289,8 +294,7 @@ def _end_text(run: BackgroundRun) -> str:
             )
         return tr("Stopped with {there} of {total} images").format(there=there, total=number_text(result.total))
     if run.task.failed:
-        total = len(run.plan) * len(run.mission.imagery.map_types)
         return tr("Missing: {failed} of {total} images").format(
-            failed=number_text(run.task.failed), total=number_text(total)
+            failed=number_text(run.task.failed), total=number_text(run.images)
         )
     return done_text(result)

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import time
-from contextlib import closing
+from contextlib import ExitStack, closing
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import pyqtSignal
 
+from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import InvalidInput, OutputError, SourceError
+from ...core.storage.files import file_exists
 from ..i18n import tr, translate
 from ..settings import Settings
-from ..sources import mission_heights, mission_snapshot, open_for_capture, source_transport
+from ..sources import MissionPlans, mission_heights, mission_snapshot, open_for_capture, source_transport
 from ..tasks import Task
 
 if TYPE_CHECKING:
     from ...core.capture.progress import CaptureResult, Progress
+    from ...core.imagery.source import Source
+    from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
     from ..dataset.layers import FailedImages, OpenedResults
     from ..dataset.mosaic import MosaicRaster
@@ -26,17 +31,18 @@ _FAILED_LOOK_S = 3.0
 
 
 class CaptureTask(Task):
-    """Capture a plan into a folder, then make a mosaic of the images or place a test shot on the map.
+    """Capture plans into a folder, then make mosaics of the images or place a test shot on the map.
 
     All data is passed to the constructor on the main thread and does not change afterwards; `run` uses plain values.
 
     Parameters
     ----------
-    plan : Plan
+    plans : MissionPlans
     folder : Path
-        Folder of the dataset; an interrupted run of the same mission there is resumed.
-    key : str or None
-        API key.
+        Folder of the dataset; an interrupted run of the same mission there is resumed. Each of several imageries has a
+        folder of its name inside.
+    keys : dict of str to (str or None)
+        API key of each imagery.
     test_shot : bool
         Whether to capture a single image, to be shown on the map only.
     only_failed : bool
@@ -46,9 +52,9 @@ class CaptureTask(Task):
     -------
     progressed(object)
         `Progress`, about ten times a second.
-    failed_changed(object)
-        Layer of the dataset's images that have failed in any run, for the main thread; None if no image has failed.
-        Every few seconds at most.
+    failed_changed(object, object)
+        Folder of the dataset, or of one of its imageries, and the layer of its images that have failed in any run, for
+        the main thread; None if no image has failed. Every few seconds at most.
     mosaic_refused(str)
         Why there will be no mosaic; emitted before the first image.
 
@@ -60,8 +66,8 @@ class CaptureTask(Task):
     mosaics : list of MosaicRaster
     without_mosaic : str
         Why there is no mosaic although there are images.
-    opened : OpenedResults or None
-        Layers of the results, for the main thread.
+    opened : list of OpenedResults
+        Layers of the results of each imagery, for the main thread.
     failed : int
         Number of images of the dataset that have failed.
     picture : Path or None
@@ -69,38 +75,40 @@ class CaptureTask(Task):
     """
 
     progressed = pyqtSignal(object)
-    failed_changed = pyqtSignal(object)
+    failed_changed = pyqtSignal(object, object)
     mosaic_refused = pyqtSignal(str)
 
     def __init__(
         self,
-        plan: Plan,
+        plans: MissionPlans,
         folder: Path,
-        key: str | None = None,
+        keys: dict[str, str | None],
         test_shot: bool = False,
         only_failed: bool = False,
     ) -> None:
         super().__init__(tr("Capturing {name}").format(name=folder.name))
-        self.plan = plan
+        self.plans = plans
         self.folder = folder
         self.paused = False
         self.result: CaptureResult | None = None
         self.mosaics: list[MosaicRaster] = []
         self.without_mosaic = ""
-        self.opened: OpenedResults | None = None
+        self.opened: list[OpenedResults] = []
         self.failed = 0
         self.picture: Path | None = None
-        self._key = key
+        self._keys = keys
         self._test_shot, self._only_failed = test_shot, only_failed
-        self._snapshot = mission_snapshot(plan.mission)
+        missions = {name: plan.mission for name, plan in plans.by_imagery.items()}
+        self._snapshots = {name: mission_snapshot(one) for name, one in missions.items()}
         self._with_mosaic = not test_shot
         # Share of capturing in the progress; the mosaic takes the rest, which is longer if it is orthorectified.
-        self._capture_share = 0.9 if plan.frames.is_north_up else 0.6
+        self._capture_share = 0.9 if plans.first.frames.is_north_up else 0.6
         self._connections = Settings().connections
-        self._transport = source_transport(plan.mission.imagery.source)
+        self._transports = {name: source_transport(one.imagery.source) for name, one in missions.items()}
         self._stopping = False
-        self._failures: FailedImages | None = None
-        self._there = self._failed_seen = 0
+        self._failures: dict[Path, FailedImages] = {}
+        self._ended: dict[str, Progress] = {}
+        self._there = self._failed_seen = self._mosaics_made = 0
         self._next_look_s = 0.0
 
     @property
@@ -125,41 +133,64 @@ class CaptureTask(Task):
 
     def discard(self) -> None:
         """Dispose of a task that was never started."""
-        self._transport.close()
+        self._close_transports()
 
     def finished(self, result: bool) -> None:
         """Emit `ended`, on the main thread."""
         # Also needed here: a task cancelled before its start does not run `work`.
-        self._transport.close()
+        self._close_transports()
         super().finished(result)
 
+    def _close_transports(self) -> None:
+        for transport in self._transports.values():
+            transport.close()
+
+    @property
+    def _places(self) -> dict[Path, Plan]:
+        """Plan of each dataset, by its folder."""
+        return {self.folder / name: plan for name, plan in self.plans.by_imagery.items()}
+
     def _capture(self) -> None:
-        from ...core.capture.progress import Listener
-        from ...core.capture.runner import capture
         from ..dataset.layers import FailedImages
 
         if not self._test_shot:
-            self._failures = FailedImages(self.folder)
+            self._failures = {place: FailedImages(place) for place in self._places}
             self._next_look_s = time.monotonic() + _FAILED_LOOK_S
         self._check_mosaics()
-        with closing(self._transport) as transport:
-            source = open_for_capture(self.plan.mission, self._key, transport=transport, snapshot=self._snapshot)
-            with closing(source):
-                self.result = capture(
-                    self.plan,
-                    source,
-                    self.folder,
-                    connections=self._connections,
-                    resume=True,
-                    only_failed=self._only_failed,
-                    listener=Listener(
-                        progress=self._report, cancelled=lambda: self.stopped, paused=lambda: self.paused
-                    ),
-                )
+        with ExitStack() as opened:
+            sources = {name: self._open(name, plan.mission, opened) for name, plan in self.plans.by_imagery.items()}
+            self.result = self._captured(sources)
         if self._with_mosaic and self._shows_results:
             self._make_mosaics()
         elif self._test_shot and self.result.written:
             self._place_picture()
+
+    def _open(self, name: str, mission: Mission, opened: ExitStack) -> Source:
+        """Open the source of an imagery until the capture ends."""
+        transport = opened.enter_context(closing(self._transports[name]))
+        try:
+            source = open_for_capture(mission, self._keys[name], transport=transport, snapshot=self._snapshots[name])
+        except (InvalidInput, SourceError) as wrong:
+            if not name:
+                raise
+            raise SourceError("{0}: {1}", name, wrong) from wrong
+        return opened.enter_context(closing(source))
+
+    def _captured(self, sources: dict[str, Source]) -> CaptureResult:
+        """Capture the plan, or the plans of all imageries."""
+        from ...core.capture.progress import Listener
+        from ...core.capture.runner import capture
+        from ...core.capture.several import capture_imageries
+
+        how = {
+            "connections": self._connections,
+            "resume": True,
+            "only_failed": self._only_failed,
+            "listener": Listener(progress=self._report, cancelled=lambda: self.stopped, paused=lambda: self.paused),
+        }
+        if self.plans.mission.imagery.imageries:
+            return capture_imageries(self.plans.mission, self.plans.by_imagery, sources, self.folder, **how)
+        return capture(self.plans.first, *sources.values(), self.folder, **how)
 
     @property
     def _shows_results(self) -> bool:
@@ -176,37 +207,49 @@ class CaptureTask(Task):
         if not self._with_mosaic:
             return
         try:
-            check_mosaics(self.plan, mission_heights)
+            for plan in self.plans.by_imagery.values():
+                check_mosaics(plan, mission_heights)
         except (InvalidInput, SourceError) as wrong:
             self.mosaic_refused.emit(translate(wrong))
 
     def _make_mosaics(self) -> None:
         from ..dataset.mosaic import build_any_mosaics
 
-        try:
-            self.mosaics = build_any_mosaics(self.plan, self.folder, mission_heights, self._mosaic_progress)
-        except (InvalidInput, SourceError) as wrong:
-            # For example at a pole, which is outside Web Mercator; such images can be viewed one at a time.
-            self.without_mosaic = translate(wrong)
+        for number, (place, plan) in enumerate(self._begun().items()):
+            self._mosaics_made = number
+            try:
+                self.mosaics += build_any_mosaics(plan, place, mission_heights, self._mosaic_progress)
+            except (InvalidInput, SourceError) as wrong:
+                # For example at a pole, which is outside Web Mercator; such images can be viewed one at a time.
+                self.without_mosaic = translate(wrong)
+
+    def _begun(self) -> dict[Path, Plan]:
+        """Plans whose datasets have been begun: a run that was stopped may not have come to the last imagery."""
+        return {place: plan for place, plan in self._places.items() if file_exists(place / FOOTPRINTS_FILE)}
 
     def _open_results(self) -> None:
         from ..dataset.layers import open_results
 
-        self.opened = open_results(self.folder, self.plan.mission, self.mosaics)
+        for place, plan in self._begun().items():
+            mosaics = [one for one in self.mosaics if one.path.is_relative_to(place)]
+            self.opened.append(open_results(place, plan.mission, mosaics))
 
     def _place_picture(self) -> None:
-        mission = self.plan.mission
+        plan = self.plans.first
+        mission = plan.mission
         folder = self.folder / mission.imagery.map_types[0]
-        picture = folder / f"{self.plan.names[0]}.{mission.output.image_format}"
-        if not self.plan.frames.on_map:
+        picture = folder / f"{plan.names[0]}.{mission.output.image_format}"
+        if not plan.frames.on_map:
             from ..dataset.rectify import lay_on_map
 
             on_map = folder / "on-map.tif"
-            lay_on_map(self.plan, picture, on_map)
+            lay_on_map(plan, picture, on_map)
             picture = on_map
         self.picture = picture
 
     def _report(self, progress: Progress) -> None:
+        if self.plans.mission.imagery.imageries:
+            progress = self._sum(progress)
         done = progress.done + progress.failed + progress.skipped
         share = self._capture_share if self._with_mosaic else 1.0
         self.setProgress(100.0 * share * done / max(progress.total, 1))
@@ -216,23 +259,35 @@ class CaptureTask(Task):
             self._failed_seen = progress.failed
             self._look_at_failed()
 
+    def _sum(self, progress: Progress) -> Progress:
+        """Progress over all imageries."""
+        self._ended[progress.map_type] = progress
+        added = ("done", "failed", "skipped", "requests", "active_s")
+        return replace(
+            progress,
+            total=self.plans.images,
+            **{name: sum(getattr(one, name) for one in self._ended.values()) for name in added},
+        )
+
     def _look_at_failed(self) -> None:
-        """Update the list of failed images, and emit it if it has changed."""
-        if self._failures is None:
+        """Update the lists of failed images, and emit those that have changed."""
+        if not self._failures:
             return
         from ..dataset.layers import open_failed
 
         began_s = time.monotonic()
         try:
-            if self._failures.update():
-                self.failed_changed.emit(open_failed(self.folder))
+            for place, failures in self._failures.items():
+                if failures.update():
+                    self.failed_changed.emit(place, open_failed(place))
         except OutputError:
             # The capture itself reports a folder that cannot be written.
             return
         # Checks take at most a twentieth of the time.
         ended_s = time.monotonic()
         self._next_look_s = ended_s + max(_FAILED_LOOK_S, 20.0 * (ended_s - began_s))
-        self.failed = len(self._failures)
+        self.failed = sum(map(len, self._failures.values()))
 
     def _mosaic_progress(self, share: float) -> bool:
-        return self.report_progress(self._capture_share + (1.0 - self._capture_share) * share)
+        whole = (self._mosaics_made + share) / len(self.plans.by_imagery)
+        return self.report_progress(self._capture_share + (1.0 - self._capture_share) * whole)

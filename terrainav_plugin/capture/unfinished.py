@@ -21,7 +21,7 @@ from ..i18n import tr
 from ..messages import log
 from ..paths import UNFINISHED, exists, is_remote, path_key
 from ..settings import Settings
-from ..sources import plan_mission
+from ..sources import MissionPlans, plan_imageries
 from ..tasks import Task
 from .left import left_folders
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...core.geodesy.mercator import PixelGrid
-    from ...core.mission.plan import Plan
     from .run import BackgroundRun
 
 _NOTE, _LOCK = ".json", ".lock"
@@ -53,7 +52,7 @@ class Unfinished:
         path = _notes() / f"{_digest(run.folder)}{_NOTE}"
         text = {
             "folder": str(run.folder),
-            "images": len(run.plan) * len(run.mission.imagery.map_types),
+            "images": run.images,
             "only_failed": run.only_failed,
             "mission": run.mission.to_dict(),
         }
@@ -116,8 +115,7 @@ class UnfinishedCapture:
     def count(self) -> None:
         """Count the existing images without opening them."""
         ending = f".{self.mission.output.image_format}"
-        folders = [self.folder / map_type for map_type in self.mission.imagery.map_types]
-        self.there = sum(1 for folder in folders for _ in folder.glob(f"*{ending}"))
+        self.there = sum(1 for one in _image_folders(self.folder, self.mission) for _ in one.glob(f"*{ending}"))
 
 
 class FindTask(Task):
@@ -156,18 +154,18 @@ class PlanTask(Task):
 
     Attributes
     ----------
-    plan : Plan or None
+    plans : MissionPlans or None
         Set once the task has succeeded.
     """
 
-    def __init__(self, mission: Mission, find_grid: Callable[[], PixelGrid]) -> None:
+    def __init__(self, mission: Mission, find_grids: dict[str, Callable[[], PixelGrid]]) -> None:
         super().__init__(tr("Planning"))
-        self.plan: Plan | None = None
-        self._mission, self._find_grid = mission, find_grid
+        self.plans: MissionPlans | None = None
+        self._mission, self._find_grids = mission, find_grids
 
     def work(self) -> None:
         """Plan."""
-        self.plan = plan_mission(self._mission, self._find_grid)
+        self.plans = plan_imageries(self._mission, self._find_grids)
 
 
 def _read(path: Path) -> UnfinishedCapture | None:
@@ -195,19 +193,28 @@ def _found(folder: Path) -> list[UnfinishedCapture]:
         return []
     left = UnfinishedCapture(None, folder, mission, _count_planned(folder, mission))
     left.count()
-    rejected = sum(1 for kind in mission.imagery.map_types for _ in (folder / kind / REJECTED_FOLDER).glob("*.*"))
+    rejected = sum(1 for one in _image_folders(folder, mission) for _ in (one / REJECTED_FOLDER).glob("*.*"))
     # Copies of datasets have files of any age: those with all their images have ended.
     return [left] if left.images is None or (left.there or 0) + rejected < left.images else []
 
 
 def _count_planned(folder: Path, mission: Mission) -> int | None:
-    """Planned number of images, by the lines of the plan; None if it was not written."""
+    """Planned number of images, by the lines of the plans; None if one was not written."""
+    captures = 0
     try:
-        with open_foreign(folder / PLAN_FILE, MAX_TABLE_BYTES) as lines:
-            captures = sum(1 for _ in lines) - 1
+        for one in _image_folders(folder, mission):
+            with open_foreign(one.parent / PLAN_FILE, MAX_TABLE_BYTES) as lines:
+                captures += sum(1 for _ in lines) - 1
     except (OSError, TerrAInavError):
         return None
-    return captures * len(mission.imagery.map_types)
+    return captures
+
+
+def _image_folders(folder: Path, mission: Mission) -> list[Path]:
+    """Folder of each map type, of each of several imageries."""
+    if mission.imagery.imageries:
+        return [folder / one.name / one.map_type for one in mission.imagery.named]
+    return [folder / map_type for map_type in mission.imagery.map_types]
 
 
 def _notes() -> Path:

@@ -122,6 +122,6 @@ def undone_text(undone: UndoneSplit) -> str:
     if not undone.changed:
         return tr("Nothing to undo: the dataset is not split.")
     if undone.parts is None:
-        return tr("Split undone: the images are in no part, and there are no labels.")
+        return tr("The split is undone: the images are in no part, and there are no labels.")
     each = ", ".join(f"{title} {number_text(undone.parts[part])}" for part, title in parts().items())
-    return tr("Split undone. As before it: {parts}.").format(parts=each)
+    return tr("The split is undone. As before it: {parts}.").format(parts=each)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import declared_fields, field_named
-from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
+from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Output, Route
 from ..i18n import number_text, plain_number, tr, translate
 from .area import FormError, edge_deg, entered_shape, no_fly_text, parse_no_fly, replace_box, shape_text
 from .camera import camera_as_typed, convert_camera, in_length_unit
@@ -36,6 +36,7 @@ from .text import (
 
 if TYPE_CHECKING:
     from ...core.mission.areas.area import Area, Box
+    from ...core.mission.imageries import NamedImagery
     from ...core.mission.mission import Mission
 
 #: Entries by the name that error messages give to their field, where it differs.
@@ -103,7 +104,9 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
     checks = _Checks()
     # Nothing is flown: it needs no take-off and no battery.
     route = {one.name: one.default for one in declared_fields(Route) if one.name in ENTERED_AS_DECLARED}
-    single = replace(state, map_types=state.map_types[:1], **route, takeoff="", no_fly="")
+    single = replace(
+        state, map_types=state.map_types[:1], imageries=(), imagery_name="", **route, takeoff="", no_fly=""
+    )
     return _mission(single, checks("agl", lambda: Points(((lat_deg, lon_deg, state.agl_m),))), checks)
 
 
@@ -130,6 +133,7 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
         checks.messages["map_types"] = tr("no map type: tick one or more")
     for name, value in entries.items():
         checks(field_entry(name) or _BEYOND, partial(_check, name, value))
+    entries.update(_imageries(state, checks))
     wind = _wind(state, checks)
     no_fly = checks("no_fly", lambda: parse_no_fly(state.no_fly))
     checks.messages.update((name, unread_text(name, text)) for name, text in state.unread if name not in state.hidden)
@@ -140,6 +144,31 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     except InvalidInput as wrong:
         # Each entry is valid, but not in combination with another.
         raise FormError({field_entry(wrong.field) or _BEYOND: translate(wrong)}) from wrong
+
+
+def own_imagery(state: FormState) -> NamedImagery:
+    """Imagery of the source, date and map type entered, by its name or one made of them; raises InvalidInput."""
+    from ...core.mission.imageries import NamedImagery
+
+    made = NamedImagery.unnamed(state.source_name, state.date, *state.map_types[:1])
+    made = replace(made, name=state.imagery_name) if state.imagery_name else made
+    if NamedImagery.parse(str(made)) != made:
+        # Its name or date looks like another part of the text.
+        raise InvalidInput(tr("this source cannot be one of several: save it under another name first"))
+    return made
+
+
+def _imageries(state: FormState, checks: _Checks) -> dict[str, Any]:
+    """Fields of a mission of several imageries, in place of those of one source; empty for one source."""
+    if not (state.imageries or state.imagery_name):
+        return {}
+    if len(state.map_types) > 1:
+        checks.messages["map_types"] = tr("several imageries: tick one map type here, and add the others as imagery")
+    own = checks("imageries", lambda: own_imagery(state))
+    texts = (*(() if own is None else (str(own),)), *state.imageries)
+    checks("imageries", partial(_check, "imageries", texts))
+    usual = {name: field_named(Imagery, name).default for name in ("source", "date", "map_types")}
+    return {**usual, "imageries": texts}
 
 
 def unread_text(name: str, text: str) -> str:
@@ -314,6 +343,8 @@ def mission_state(mission: Mission, folder: str, like: FormState | None = None) 
     from ...core.imagery.opening import source_kind
 
     given = {name: value for part in FLAT_PARTS for name, value in vars(getattr(mission, part)).items()}
+    first = next(iter(mission.missions_by_imagery.values()), mission).imagery
+    given.update(source=first.source, date=first.date, map_types=first.map_types)
     state = FormState(
         fov_deg=mission.camera.fov_deg,
         **_pixel_entries(mission),
@@ -322,10 +353,12 @@ def mission_state(mission: Mission, folder: str, like: FormState | None = None) 
         folder=folder,
         no_fly=no_fly_text(mission.no_fly),
         takeoff=takeoff_text(mission.route.takeoff),
+        imageries=mission.imagery.imageries[1:],
+        imagery_name=_own_name(mission),
         **{name: given[name] for name in ENTERED_AS_DECLARED},
     )
-    if source_kind(mission.imagery.source).is_address:
-        state = replace(state, source=URL_TEMPLATE, template=mission.imagery.source)
+    if source_kind(first.source).is_address:
+        state = replace(state, source=URL_TEMPLATE, template=first.source)
     if mission.wind is not None:
         state = replace(
             state,
@@ -338,6 +371,17 @@ def mission_state(mission: Mission, folder: str, like: FormState | None = None) 
     state = replace_box(state, mission.area.bounds, exact_degrees_text)
     state = replace(state, shape=shape_text(mission.area, state.agl_m))
     return state if like is None else in_length_unit(convert_camera(state, like.fov_mode), like.agl_unit)
+
+
+def _own_name(mission: Mission) -> str:
+    """Name of the first of several imageries; empty if the panel gives it the same."""
+    from ...core.mission.imageries import NamedImagery
+
+    first, *others = mission.imagery.named or (None,)
+    if first is None:
+        return ""
+    usual = NamedImagery.unnamed(first.source, first.date, first.map_type)
+    return "" if others and first == usual else first.name
 
 
 def _pixel_entries(mission: Mission) -> dict[str, Any]:

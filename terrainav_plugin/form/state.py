@@ -10,7 +10,7 @@ from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
 from ...core.mission.flight.wind import Wind
-from ...core.mission.parts import FLAT_PARTS, Flight, Pixels, Route
+from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Pixels, Route
 from ...core.text.safe_json import parse_json
 from ...core.units import LENGTHS_M
 from .text import aspect_text
@@ -21,13 +21,13 @@ FOV_MODES = DIAGONAL, HORIZONTAL, VERTICAL, SENSOR = ("diagonal", "horizontal", 
 URL_TEMPLATE = "url-template"
 BOX_FIELDS = ("north", "west", "south", "east")
 #: Fields of a mission whose entries differ from them: typed in a unit, after a choice, or as several entries.
-_ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size", "takeoff")
+_ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size", "takeoff", "imageries")
 #: The other fields of a mission: their entries have the same name, value and default.
 ENTERED_AS_DECLARED: dict[str, Field] = {
     one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _ENTERED_OTHERWISE
 }
 #: Fields in `ENTERED_AS_DECLARED` without widgets: the panel keeps the values of a mission, and shows a note.
-WITHOUT_ENTRY = ("imageries", "mesh", "seed", "max_images")
+WITHOUT_ENTRY = ("mesh", "seed", "max_images")
 #: Field of a mission for each entry: same names, entries that differ, and entries of the wind.
 DECLARED: dict[str, Field] = {
     **ENTERED_AS_DECLARED,
@@ -35,6 +35,7 @@ DECLARED: dict[str, Field] = {
     "zoom": field_named(Pixels, "zoom"),
     "gsd_m_per_px": field_named(Pixels, "gsd_m_per_px"),
     "takeoff": field_named(Route, "takeoff"),
+    "imageries": field_named(Imagery, "imageries"),
     "fov_deg": field_named(Lens, "fov_deg"),
     "wind_speed_m_per_s": field_named(Wind, "speed_m_per_s"),
     "wind_from_deg": field_named(Wind, "from_deg"),
@@ -90,6 +91,10 @@ class FormState(_Asked):
     resize_grey : bool
     template : str
         URL template, if ``source`` is `URL_TEMPLATE`.
+    imageries : tuple of str
+        Imageries captured besides that of ``source``, ``date`` and ``map_types``, as in a mission.
+    imagery_name : str
+        Name of the latter, if there are several; empty for one that follows from its source.
     takeoff : str
         Latitude and longitude of the take-off point; empty for none.
     folder : str
@@ -129,6 +134,8 @@ class FormState(_Asked):
     resize_height_px: int = 480
     resize_grey: bool = False
     template: str = ""
+    imageries: tuple[str, ...] = ()
+    imagery_name: str = ""
     takeoff: str = ""
     folder: str = ""
     wind: bool = False

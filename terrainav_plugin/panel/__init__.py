@@ -12,6 +12,8 @@ sections        the groups for flight, output and less common entries
 elevation       entry of elevation sources
 camera          entries of the camera, with a chooser of cameras
 imagery         entries of the imagery, with a chooser of the source
+imagery_list    list of a mission's imageries
+imagery_dialog  dialog that adds an imagery
 choices         the sources and cameras offered by the choosers
 source_list     the list of sources, kept up to date
 source_dialogs  dialogs for the user's sources

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsSettings
@@ -276,7 +277,14 @@ class Readout:
         return _table(self.details)
 
 
-def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "", policy: Policy | None = None) -> Readout:
+def readout(
+    plan: Plan,
+    summary: Summary,
+    unit: str = "m",
+    cost: str = "",
+    policy: Policy | None = None,
+    others: Mapping[str, tuple[int, Policy | None]] = MappingProxyType({}),
+) -> Readout:
     """Figures of a plan.
 
     Parameters
@@ -287,7 +295,13 @@ def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "", polic
         Text on the timing of the methods; empty if unknown.
     policy : Policy or None
         Policy of the source's provider, if any.
+    others : mapping of str to (int, Policy or None)
+        Number of requests and policy of each further imagery, by its name.
     """
+    imageries = 1 + len(others)
+    limits = _limit(plan.requests * len(plan.mission.imagery.map_types), policy)
+    for name, (requests, own) in others.items():
+        limits += [(f"{label}, {name}", text) for label, text in _limit(requests, own)]
     mission, grid, own_m = plan.mission, plan.grid, plan.resolution.source_m_per_px
     # A source that is at most 2 % coarser than requested counts as fine enough.
     coarser = own_m > 1.02 * summary.requested_gsd_m_per_px
@@ -296,16 +310,18 @@ def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "", polic
     links = (Link.HIGHER, *((Link.UPSAMPLE,) if can_upsample else ()), Link.SOURCE) if coarser else ()
     return Readout(
         tuple(translate(text) for text in summary.warnings),
-        (*_figures(plan, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
+        (*_figures(plan, summary, unit, own_m if coarser else None, imageries), *limits),
         tuple(_details(mission, summary, cost)),
-        _line(plan, summary, unit, own_m if coarser else None),
+        _line(plan, summary, unit, own_m if coarser else None, imageries),
         _why_html(plan.accuracy),
         links if coarser and not mission.pixels.upsample else (),
     )
 
 
-def _line(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -> tuple[str, ...]:
+def _line(plan: Plan, summary: Summary, unit: str, coarser_m: float | None, imageries: int) -> tuple[str, ...]:
     images = tr("1 image") if summary.images == 1 else tr("{n} images").format(n=number_text(summary.images))
+    if imageries > 1:
+        images = tr("{images} of {count} imageries").format(images=images, count=number_text(imageries))
     covered = summary.covered_share
     # Round down, so that incomplete coverage is never shown as 100 %.
     share = 100.0 if summary.complete or covered is None else int(covered * 1e4) / 1e2
@@ -348,9 +364,9 @@ def _label(name: str) -> QLabel:
     return label
 
 
-def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -> list[tuple[str, str]]:
+def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None, imageries: int) -> list[tuple[str, str]]:
     mission = plan.mission
-    lines = [(tr("Images"), _images(summary))]
+    lines = [(tr("Images"), _images(summary, imageries))]
     if summary.images_over_no_fly:
         lost = tr("Images left out: {count}").format(count=number_text(summary.images_over_no_fly))
         if summary.no_fly_m2:
@@ -399,11 +415,10 @@ def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
     return [(tr("Relief"), f"{ground}; {pixels}")]
 
 
-def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
-    """Number of requests of the plan and the provider's limit; empty without a limit."""
+def _limit(requests: int, policy: Policy | None) -> list[tuple[str, str]]:
+    """Number of requests and the provider's limit; empty without a limit."""
     if policy is None or policy.max_tiles is None or policy.bulk_allowed == "yes":
         return []
-    requests = plan.requests * len(plan.mission.imagery.map_types)
     if not policy.stops(requests):
         text = tr("{count} of the {most} requests that the provider allows")
     elif policy.bulk_allowed == "ask":
@@ -484,9 +499,11 @@ def _table(lines: Iterable[tuple[str, str]]) -> str:
     return f'<table cellspacing="1">{"".join(rows)}</table>'
 
 
-def _images(summary: Summary) -> str:
+def _images(summary: Summary, imageries: int) -> str:
     rows = tr("{images} in {rows} rows") if summary.rows != 1 else tr("{images} in one row")
     text = rows.format(images=number_text(summary.images), rows=number_text(summary.rows))
+    if imageries > 1:
+        return tr("{text}, for each of {count} imageries").format(text=text, count=imageries)
     types = len(summary.map_types)
     return text if types == 1 else tr("{text}, for each of {count} map types").format(text=text, count=types)
 

@@ -97,6 +97,7 @@ class DockForm(QWidget):
             "template": imagery.template.text(),
             "date": imagery.date.text().strip(),
             "map_types": imagery.ticked(),
+            **imagery.others.values(),
             "hidden": self.marks.hidden(),
         }
         for group in self.groups:
@@ -120,6 +121,7 @@ class DockForm(QWidget):
             self.imagery.enter_map_types(state.map_types)
             self.imagery.template.setText(state.template)
             self.imagery.date.setText(state.date)
+            self.imagery.others.enter(state.imagery_name, state.imageries)
             for group in self.groups:
                 group.forget_unread()
             self._enter(state)

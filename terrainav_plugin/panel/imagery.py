@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic
@@ -21,8 +22,10 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ...core.errors import TerrAInavError
 from ..form.fields import field_choices, field_label
-from ..form.state import ENTERED_AS_DECLARED, URL_TEMPLATE
+from ..form.mission_form import own_imagery
+from ..form.state import ENTERED_AS_DECLARED, URL_TEMPLATE, FormState
 from ..i18n import tr
 from ..paths import icon
 from ..plain import shown_plain
@@ -41,6 +44,10 @@ from .choices import (
     template_limits,
     unlisted,
 )
+from .imagery_list import ImageryList
+
+if TYPE_CHECKING:
+    from ...core.mission.imageries import NamedImagery
 
 #: Number of entries visible without scrolling.
 _ROWS = 24
@@ -56,6 +63,8 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     show_on_map_clicked(), add_source_clicked(), remove_source_clicked(), cache_clicked()
     service_chosen(str)
         The user has chosen a service, and must now choose one of its layers.
+    imagery_wanted(str)
+        The user wants to add another imagery, or to change the one of this text.
 
     Attributes
     ----------
@@ -65,6 +74,8 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     map_types : dict of str to QCheckBox
     limits : QLabel
         Terms of the chosen source's provider.
+    others : ImageryList
+        The imageries of a mission that has several.
     """
 
     changed = pyqtSignal()
@@ -73,6 +84,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     remove_source_clicked = pyqtSignal()
     cache_clicked = pyqtSignal()
     service_chosen = pyqtSignal(str)
+    imagery_wanted = pyqtSignal(str)
 
     def __init__(self, marks: FieldMarks, choices: Sequence[SourceChoice]) -> None:
         super().__init__(tr("Imagery"))
@@ -85,6 +97,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._add_source()
         self._add_details()
         self._add_map_types()
+        self._add_others()
         self.set_choices(choices)
         self.source.currentIndexChanged.connect(self._source_chosen)
         for signal in (self.template.textChanged, self.date.textChanged):
@@ -95,6 +108,26 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     def choice(self) -> SourceChoice | None:
         """Return the chosen source; None for a URL template."""
         return self._choices.get(self.source.currentData())
+
+    def source_name(self) -> str:
+        """Return the name of the chosen source in a mission."""
+        chosen = self.source.currentData()
+        return self.template.text().strip() if chosen == URL_TEMPLATE else chosen or ""
+
+    def own_imagery(self) -> NamedImagery:
+        """Return the imagery of the entries, named after its source; raises InvalidInput."""
+        return own_imagery(
+            FormState(
+                source=self.source.currentData() or "",
+                template=self.template.text(),
+                date=self.date.text().strip() if self._is_dated(self.choice()) else "",
+                map_types=self.ticked()[:1],
+            )
+        )
+
+    def choices(self) -> list[SourceChoice]:
+        """Return the sources offered."""
+        return list(self._choices.values())
 
     def title(self) -> str:
         """Return the title of the chosen source."""
@@ -230,6 +263,24 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             check.setObjectName(f"map_type_{name}")
         checks = row(*self.map_types.values())
         self._form.addRow(field_label(field), self._marks.field("map_types", checks))
+
+    def _add_others(self) -> None:
+        self.others = ImageryList(self._marks, self._source_title, self._own_name)
+        self.changed.connect(self.others.show_own)
+        self.others.changed.connect(self.changed)
+        self.others.wanted.connect(self.imagery_wanted)
+        self._form.addRow(self.others)
+
+    def _own_name(self) -> str:
+        try:
+            return self.own_imagery().name
+        except TerrAInavError:
+            return ""
+
+    def _source_title(self, name: str) -> str:
+        """Title of a source; its name if it is not listed."""
+        choice = self._choices.get(name) or unlisted(name)
+        return choice.title if choice is not None else name
 
     def _source_chosen(self) -> None:
         chosen = self.source.currentData()

@@ -160,8 +160,12 @@ class Planning(QObject):
         if not cost and (not self._may_time() or self._when_planned is not None):
             cost = tr("not timed during a capture")
         unit = self._form.state().agl_unit
-        policy = source_policy(planned.mission.imagery.source)
-        self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
+        policy = source_policy(planned.plan.mission.imagery.source)
+        others = {
+            name: (one.requests, source_policy(one.mission.imagery.source))
+            for name, one in [*planned.plans.by_imagery.items()][1:]
+        }
+        self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy, others))
 
     def _mission_cost(self, mission: Mission) -> str:
         """Text on the timing of a mission's methods; empty if unknown."""

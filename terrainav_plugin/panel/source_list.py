@@ -64,6 +64,7 @@ class SourceList(QObject):
         imagery.remove_source_clicked.connect(self.remove)
         imagery.cache_clicked.connect(self.show_cache)
         imagery.service_chosen.connect(self.choose_layer)
+        imagery.imagery_wanted.connect(self.ask_imagery)
         # Update before the list opens, as QGIS emits no signal when connections are added or removed.
         imagery.source.about_to_open.connect(self.refresh)
         self.refresh()
@@ -106,6 +107,22 @@ class SourceList(QObject):
         if dialog.exec() and dialog.added:
             self.refresh()
             self._imagery.choose_source(dialog.added)
+        dialog.deleteLater()
+
+    def ask_imagery(self, text: str) -> None:
+        """Ask for another imagery of the mission, or change the one of a text."""
+        from ...core.mission.imageries import NamedImagery
+        from .imagery_dialog import ImageryDialog
+
+        others = self._imagery.others
+        given = NamedImagery.parse(text) if text else None
+        taken = [name for name in others.names() if given is None or name != given.name]
+        dialog = ImageryDialog(self._window, self._imagery.choices(), taken, given)
+        # Sources are added and chosen in the dialog as in the panel.
+        sources = SourceList(self._project, dialog.entries, self._messages, dialog, self._checked_features)
+        if dialog.exec() and dialog.imagery is not None:
+            others.put(dialog.imagery, text)
+        sources.close()
         dialog.deleteLater()
 
     def remove(self) -> None:

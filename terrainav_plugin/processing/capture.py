@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,7 +74,11 @@ class _Capturing(WithImagery):
         )
 
     def _take_run(self, mission: Mission, run: AlgorithmRun) -> None:
-        self.take_imagery(run, mission)
+        from ..sources import each_imagery
+
+        missions = each_imagery(mission)
+        self.take_imagery(run, *missions.values())
+        self._mission, self._names = mission, tuple(missions)
         self._accepted = run.flag("ACCEPT_TERMS")
         self._with_mosaic = run.flag("MAKE_MOSAIC")
         self._made: list[MosaicRaster] = []
@@ -82,36 +87,49 @@ class _Capturing(WithImagery):
         """Capture, make the mosaics, and return the outputs."""
         from ...core.capture.progress import Listener
         from ...core.capture.runner import capture
+        from ...core.capture.several import capture_imageries
+        from ...core.imagery.catalogue import shared_requests
 
         def work(watch: WorkFeedback) -> tuple[CaptureResult, list[MosaicRaster]]:
-            def report(progress: Progress) -> None:
-                finished = progress.done + progress.failed + progress.skipped
-                watch.progress(_CAPTURE_SHARE * finished / max(progress.total, 1))
+            ended: dict[str, int] = {}
 
-            with self._imagery.opened() as source:
-                worked_out = self._imagery.planned()
-                requests = worked_out.requests * len(worked_out.mission.imagery.map_types)
-                check_terms(worked_out, source, requests, accepted=self._accepted)
-                result = capture(
-                    worked_out,
-                    source,
-                    folder,
-                    connections=self._imagery.connections,
-                    listener=Listener(progress=report, cancelled=watch.cancelled),
+            def report(progress: Progress) -> None:
+                ended[progress.map_type] = progress.done + progress.failed + progress.skipped
+                watch.progress(_CAPTURE_SHARE * sum(ended.values()) / max(total, 1))
+
+            with ExitStack() as opened:
+                sources = {name: opened.enter_context(one.opened()) for name, one in zip(self._names, self._taken)}
+                plans = {name: one.planned() for name, one in zip(self._names, self._taken)}
+                needed = [one.requests * len(one.mission.imagery.map_types) for one in plans.values()]
+                for (name, one), requests in zip(plans.items(), shared_requests([*zip(sources.values(), needed)])):
+                    check_terms(one, sources[name], requests, accepted=self._accepted)
+                total = sum(len(one) * len(one.mission.imagery.map_types) for one in plans.values())
+                how: Any = {
+                    "connections": self._imagery.connections,
+                    "listener": Listener(progress=report, cancelled=watch.cancelled),
                     **options,
-                )
+                }
+                if self._mission.imagery.imageries:
+                    result = capture_imageries(self._mission, plans, sources, folder, **how)
+                else:
+                    result = capture(*plans.values(), *sources.values(), folder, **how)
             tell_result(result, watch)
-            return result, self._mosaics(worked_out, result, watch)
+            made = [self._mosaics(one, folder / name, result, watch) for name, one in plans.items()]
+            return result, [mosaic for some in made for mosaic in some]
 
         result, self._made = off_main_thread(work, run.feedback)
         if run.flag("LOAD"):
             for mosaic in self._made:
                 _load_when_done(run.context, mosaic.path, mosaic.title)
-            if is_loadable(folder / FOOTPRINTS_FILE, run.feedback):
-                _load_when_done(run.context, folder / FOOTPRINTS_FILE, tr("Captured images"))
+            for name in self._names:
+                footprints = folder / name / FOOTPRINTS_FILE
+                if file_exists(footprints) and is_loadable(footprints, run.feedback):
+                    title = tr("Captured images, {name}").format(name=name) if name else tr("Captured images")
+                    _load_when_done(run.context, footprints, title)
         return {
             "FOLDER": str(folder),
-            "FOOTPRINTS": str(folder / FOOTPRINTS_FILE),
+            # Of the first imagery, if there are several.
+            "FOOTPRINTS": str(folder / self._names[0] / FOOTPRINTS_FILE),
             **({"MOSAIC": str(self._made[0].path)} if self._made else {}),
             "TOTAL": result.total,
             "WRITTEN": result.written,
@@ -126,7 +144,9 @@ class _Capturing(WithImagery):
 
         place_mosaics(QgsProject.instance(), self._made)
 
-    def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: WorkFeedback) -> list[MosaicRaster]:
+    def _mosaics(
+        self, worked_out: Plan, folder: Path, result: CaptureResult, watch: WorkFeedback
+    ) -> list[MosaicRaster]:
         """Mosaics of all map types; empty if none are wanted or possible."""
         from ..dataset.mosaic import build_any_mosaics
         from ..sources import mission_heights
@@ -138,7 +158,7 @@ class _Capturing(WithImagery):
             return watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share)
 
         try:
-            return build_any_mosaics(worked_out, result.folder, mission_heights, progress)
+            return build_any_mosaics(worked_out, folder, mission_heights, progress)
         except (InvalidInput, SourceError) as wrong:
             watch.warn(tr("Without a mosaic: {reason}").format(reason=translate(wrong)))
             return []

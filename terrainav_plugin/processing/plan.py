@@ -113,11 +113,11 @@ class PlanAlgorithm(Algorithm):
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Read the mission, and the pixel grid of project layers."""
-        from ..sources import grid_finder
+        from ..sources import grid_finders
 
         self._mission = read_mission(run)
         self._align = run.choice("ALIGN") if run.is_given("ALIGN") else None
-        self._grid = grid_finder(self._mission)
+        self._grids = grid_finders(self._mission)
         self._export = self.parameterAsFileOutput(run.parameters, "EXPORT", run.context)
         if self._export:
             from ...core.mission.export import check_plan_ending
@@ -127,16 +127,20 @@ class PlanAlgorithm(Algorithm):
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Plan, and write the requested outputs."""
         from ...core.mission.estimate import estimate
+        from ..planner import summary_of_all
         from ..settings import Settings
-        from ..sources import plan_mission as planned
-        from ..sources import request_costs
+        from ..sources import plan_imageries, request_costs
 
         def work(watch: WorkFeedback) -> tuple[PlanAlgorithm, Summary]:
             if self._align is not None:
                 self._mission = self._aligned(watch)
-            worked_out = planned(self._mission, self._grid)
-            costs, connections = request_costs(self._mission.imagery.source), Settings().connections
-            return worked_out, estimate(worked_out, costs, connections, os.cpu_count() or 1)
+            plans, connections = plan_imageries(self._mission, self._grids), Settings().connections
+            summaries = {
+                name: estimate(one, request_costs(one.mission.imagery.source), connections, os.cpu_count() or 1)
+                for name, one in plans.by_imagery.items()
+            }
+            # All have the footprints and the flight of the first.
+            return plans.first, summary_of_all(summaries)
 
         worked_out, summary = off_main_thread(work, run.feedback)
         for label, text in summary.lines():
@@ -168,7 +172,11 @@ class PlanAlgorithm(Algorithm):
         from ..sources import mission_heights
 
         found = align_rows(
-            self._mission, self._grid(), mission_heights(self._mission), self._align or "", watch.progress
+            self._mission,
+            next(iter(self._grids.values()))(),
+            mission_heights(self._mission),
+            self._align or "",
+            watch.progress,
         )
         watch.say(translate(found.text()))
         return self._mission.replace(row_azimuth_deg=found.azimuth_deg)

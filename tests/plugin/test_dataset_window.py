@@ -130,10 +130,10 @@ def test_a_split_is_undone_by_a_button(desk, window, dataset):
     press(desk, window, tab.split)
     desk.wait(tab.undo.isEnabled)
     press(desk, window, tab.undo)
-    assert tab.result.text().startswith("Split undone. As before it: Training ")
+    assert tab.result.text().startswith("The split is undone. As before it: Training ")
     desk.wait(lambda: tab.state.text() == now and tab.undo.isEnabled())
     press(desk, window, tab.undo)
-    assert tab.result.text() == "Split undone: the images are in no part, and there are no labels."
+    assert tab.result.text() == "The split is undone: the images are in no part, and there are no labels."
     assert {path: path.read_bytes() for path in dataset.rglob("meta_data.csv")} == tables
     assert not (dataset / "labels.json").exists()
     desk.wait(lambda: tab.split.isEnabled() and not tab.undo.isEnabled())

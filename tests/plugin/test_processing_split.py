@@ -97,7 +97,7 @@ def test_a_split_is_undone(dataset):
     feedback = Feedback()
     run(feedback, DATASET=str(dataset))
     assert "TRAIN_IMAGES" not in run(feedback, DATASET=str(dataset), UNDO=True)
-    assert feedback.lines[-2] == "Split undone: the images are in no part, and there are no labels."
+    assert feedback.lines[-2] == "The split is undone: the images are in no part, and there are no labels."
     assert parts_in(dataset) is None
     run(feedback, DATASET=str(dataset), UNDO=True)
     assert feedback.lines[-2] == "Nothing to undo: the dataset is not split."

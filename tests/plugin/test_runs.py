@@ -101,7 +101,7 @@ def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, se
     prepared.wait_for_run()
     assert [run.stage for run in runs] == [Stage.DONE, Stage.STOPPED, Stage.DONE]
     assert not folders[1].exists()
-    assert len(pictures(folders[0])) == len(pictures(folders[2])) == len(runs[0].plan)
+    assert len(pictures(folders[0])) == len(pictures(folders[2])) == runs[0].images
     groups = {g.name() for g in QgsProject.instance().layerTreeRoot().findGroups(True)}
     assert groups == {"TerrAInav: datasets of one mission", "TerrAInav: flight-1", "TerrAInav: flight-3"}
     for run in runs:
@@ -140,7 +140,7 @@ def test_paused_run_asks_for_nothing_and_its_time_stands_still(prepared, server)
     server.latency_s = 0.0
     prepared.wait_for_run()
     assert run.stage is Stage.DONE
-    assert len(pictures(run.folder)) == len(run.plan)
+    assert len(pictures(run.folder)) == run.images
 
 
 @pytest.mark.thorough
@@ -190,7 +190,7 @@ def test_what_was_pressed_is_captured_whatever_is_entered_later(prepared, server
     prepared.wait_for_run()
     for run in (first, second):
         assert Mission.load(run.folder / "mission.json") == mission
-        assert len(pictures(run.folder)) == len(run.plan)
+        assert len(pictures(run.folder)) == run.images
 
 
 @pytest.mark.thorough
@@ -238,7 +238,7 @@ def test_run_goes_on_when_its_project_is_closed(prepared, server):
     server.latency_s = 0.0
     prepared.wait_for_run()
     assert run.stage is Stage.DONE
-    assert len(pictures(run.folder)) == len(run.plan)
+    assert len(pictures(run.folder)) == run.images
     # Another project is none of its business.
     assert QgsProject.instance().mapLayers() == {}
     assert any("Its project is closed" in text for text in prepared.messages())
@@ -302,7 +302,7 @@ def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_
     assert QgsTask.TaskStatus.Terminated not in statuses
     assert statuses[-1] == QgsTask.TaskStatus.Complete
     kept = len(pictures(run.folder))
-    assert 12 <= kept < len(run.plan)
+    assert 12 <= kept < run.images
     assert (run.folder / "satellite.vrt").read_text().count("<ComplexSource>") == kept
     assert 255 in alpha_of(prepared)
     assert "Resume" in prepared.buttons_in_message_bar()
@@ -311,7 +311,7 @@ def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_
     prepared.wait_for_run()
     (again,) = prepared.session.runs.runs
     assert again.stage is Stage.DONE
-    total = len(run.plan)
+    total = run.images
     assert again.result.written == total - kept
     for text in (row_of(prepared, again).text.text(), " ".join(prepared.messages())):
         assert f"All {total} images captured: {total - kept} now, in" in text
@@ -357,7 +357,7 @@ def test_mosaic_that_is_cancelled_is_not_told_as_a_finished_capture(prepared, se
 
     monkeypatch.setattr(mosaic, "build_overviews", endless)
     run = press_capture(prepared)
-    total = len(run.plan)
+    total = run.images
     prepared.wait(lambda: run.has_all_images)
     press(prepared, run, "cancel")
     prepared.wait_for_run()
@@ -399,7 +399,7 @@ def test_run_taken_out_of_the_line_is_resumed(prepared, server):
     server.latency_s = 0.0
     prepared.wait(lambda: prepared.session.runs.idle)
     assert [run.stage for run in prepared.session.runs.runs] == [Stage.DONE, Stage.DONE]
-    assert len(pictures(second.folder)) == len(pictures(first.folder)) == len(first.plan)
+    assert len(pictures(second.folder)) == len(pictures(first.folder)) == first.images
 
 
 def test_preview_is_pressed_while_it_is_to_be_seen(prepared):

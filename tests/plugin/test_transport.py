@@ -29,6 +29,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.capture.task import CaptureTask
+from terrainav.terrainav_plugin.sources import MissionPlans
 
 from tests.plugin.steps import PATIENCE_MS
 from tests.plugin.transports import (  # noqa: F401  (fixtures)
@@ -304,7 +305,7 @@ def test_a_capture_in_a_task_gets_every_pixel_right(qtbot, tmp_path):
         tiles.fail("500", share=0.1, times=1)
         tiles.fail("reset", share=0.1, times=1)
         before = threads_here()
-        task = CaptureTask(steps, tmp_path / "dataset", key)
+        task = CaptureTask(MissionPlans(mission, {"": steps}), tmp_path / "dataset", {"": key})
         ended = []
         task.ended.connect(ended.append)
         QgsApplication.taskManager().addTask(task)
@@ -324,7 +325,8 @@ def test_a_task_that_waits_for_the_network_ends_when_it_is_cancelled(qtbot, tmp_
     with TileServer() as tiles:
         mission = Mission(Box(35.14, -89.87, 35.131, -89.856), agl_m=120.0, source=tiles.url_template)
         tiles.fail("stall")
-        task = CaptureTask(plan(mission, PixelGrid(256, max_zoom=22, native_zoom=22)), tmp_path / "dataset")
+        steps = plan(mission, PixelGrid(256, max_zoom=22, native_zoom=22))
+        task = CaptureTask(MissionPlans(mission, {"": steps}), tmp_path / "dataset", {"": None})
         ended = []
         task.ended.connect(lambda _task: ended.append(time.monotonic()))
         QgsApplication.taskManager().addTask(task)

@@ -70,7 +70,7 @@ def test_capture_is_noted_while_it_goes_on_and_no_longer(prepared, server):  # n
 
 def test_capture_that_did_not_end_is_offered_and_resumed(prepared, server, screenshot):  # noqa: F811
     run = capitalized(prepared, server, 2)
-    total = len(run.plan)
+    total = run.images
     note = crash(prepared, run)
     before = contents(prepared.folder)
     there = len(pictures(prepared.folder))
@@ -106,7 +106,7 @@ def test_waiting_capture_is_offered_though_it_has_no_folder_yet(prepared, server
     for note, text in kept.items():
         note.write_bytes(text)
     start_again(prepared)
-    assert f"mission-2: its capture did not end: 0 of {len(second.plan)} images." in offers(prepared)
+    assert f"mission-2: its capture did not end: 0 of {second.images} images." in offers(prepared)
     assert not (tmp_path / "mission-2").exists()
 
 
@@ -125,7 +125,7 @@ def leave(folder, run):
     gone = pictures(folder)[0]
     gone.unlink()
     (folder / "journal.jsonl").touch()
-    return len(run.plan) - 1
+    return run.images - 1
 
 
 def test_capture_without_a_note_is_found_in_its_folder_and_resumed(prepared, server):  # noqa: F811

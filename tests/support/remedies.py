@@ -79,6 +79,7 @@ NO_ADVICE = frozenset(
         "{name}\n{bits} bits; press to show it on the map",
         "Remove “{title}” from your sources? Captured images stay.",
         # Titles of windows.
+        "TerrAInav: add imagery",
         "TerrAInav: add source",
         "TerrAInav: clean dataset",
         "TerrAInav: remove source",

@@ -43,6 +43,28 @@ def _no_map_type(case: Case) -> None:
     case.follow("tick one or more", lambda: mission_form.mission(replace(state, map_types=("roadmap",))))
 
 
+@remedy("form/mission_form.py", "several imageries: tick one map type here, and add the others as imagery")
+def _map_types_of_one_of_several(case: Case) -> None:
+    state = FormState(**SMALL_BOX, map_types=("satellite", "roadmap"), imageries=("map=world:terrain",))
+    with pytest.raises(mission_form.FormError) as refused:
+        mission_form.mission(state)
+    case.says(refused.value.messages["map_types"])
+    one = replace(state, map_types=("satellite",))
+    case.follow("tick one map type here", lambda: mission_form.mission(one))
+    more = replace(one, imageries=(*one.imageries, "world:roadmap"))
+    case.follow("add the others as imagery", lambda: mission_form.mission(more))
+
+
+@remedy("form/mission_form.py", "this source cannot be one of several: save it under another name first")
+def _source_like_a_date(case: Case) -> None:
+    state = FormState(**SMALL_BOX, source="ortho@2014.tif", imageries=("map=world",))
+    with pytest.raises(mission_form.FormError) as refused:
+        mission_form.mission(state)
+    case.says(refused.value.messages["imageries"])
+    named = replace(state, source="ortho-2014.tif")
+    case.follow("save it under another name first", lambda: mission_form.mission(named))
+
+
 @remedy("credentials.py", "API key: choose a configuration, or press “+” and enter it as password")
 def _no_configuration(case: Case) -> None:
     configured = case.fixture("configured")
