@@ -39,6 +39,7 @@ from .planner import PlannedMission, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
+from .profile.profiles import Profiles
 from .remote.copies import read_only_reason
 from .remote.trust import agree, source_names
 from .results.compare import Compare
@@ -100,6 +101,7 @@ class Session(QObject):
         )
         self.viewing = Viewing(self.project, iface, messages)
         self.compare = Compare(self.project, iface)
+        self.profiles = Profiles(iface, messages, lambda: form.state().agl_unit)
         self.datasets = Datasets(iface, messages, self._datasets)
         self.benchmarks = BenchmarkWindows(iface, messages)
         self.source_list = SourceList(self.project, form.imagery, messages, window, self.background.visible_box)
@@ -209,6 +211,7 @@ class Session(QObject):
             self.missions,
             self.viewing,
             self.compare,
+            self.profiles,
             self.datasets,
             self.benchmarks,
             self.source_on_map,
@@ -249,6 +252,9 @@ class Session(QObject):
         # A source in the panel was chosen by the user, or the user has agreed to it.
         self.planning.planned.connect(lambda planned: agree(source_names(planned.mission)))
         self.planning.planned.connect(self._preview_plan)
+        self.planning.planned.connect(lambda planned: self.profiles.show_plan(planned.plan))
+        self.planning.unplanned.connect(self.profiles.show_reason)
+        form.flight.profile_clicked.connect(self.profiles.open)
         self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.connect(self._show_hint)

@@ -24,7 +24,7 @@ FLOORS = (
     {"form", "map", "network"},
     {"dataset", "qgis_source", "remote"},
     {"sources"},
-    {"area", "preview", "capture", "results", "missions", "dataset_window"},
+    {"area", "preview", "capture", "results", "missions", "dataset_window", "profile"},
     {"panel", "processing"},
     {"top"},
 )

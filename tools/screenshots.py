@@ -767,6 +767,46 @@ def relief(stage: Stage) -> None:
     viewing.viewer.hide()
 
 
+def height_profile(stage: Stage) -> None:
+    """The height profile of a flight over hills with a town, with the cursor at an image."""
+    stage.begin(TOWN, "town")
+    surface, ground = FOLDER / "surface_utm.tif", FOLDER / "hills.tif"
+    world_surface(surface)
+    hilly(surface, ground)
+    entries = {"agl": 60.0, "image_px": 800, "overlap_along": 0.6, "overlap_across": 0.3, "clearance_m": 20.0}
+    heights = {"elevation": (str(ground),), "surface": (str(surface),)}
+    stage.form.set_state(replace(stage.session.state(), takeoff="35.1399 -89.8612", **entries, **heights))
+    stage.plan()
+    stage.preview()
+    stage.show_previewed(0)
+    stage.scroll_to(stage.form.flight.profile)
+    click(stage.form.flight.profile)
+    profiles = stage.session.profiles
+    wait("height profile", lambda: not profiles.busy and profiles.dock.chart.profile is not None)
+    stage.settle()
+    stage.show_previewed(0)
+    chart = profiles.dock.chart
+    for _ in range(12):
+        QTest.keyClick(chart, Qt.Key.Key_PageUp)
+    # The lower part of the map is enough, and a small picture.
+    part = stage.part(stage.canvas, profiles.dock)
+    stage.shoot("profile.jpg", part.adjusted(0, part.height() * 2 // 5, 0, 0), stage.form.flight, 45_000)
+    profiles.dock.close()
+
+
+def hilly(surface: Path, ground: Path) -> None:
+    """Raise a surface by hills, and write the hills alone as another file."""
+    on_hills = gdal.Open(str(surface), gdal.GA_Update)
+    x, y = np.meshgrid(np.arange(on_hills.RasterXSize), np.arange(on_hills.RasterYSize))
+    hills = 18.0 * np.sin(x / 160.0) * np.cos(y / 210.0) + 6.0 * np.sin((x + 2.0 * y) / 190.0)
+    band = on_hills.GetRasterBand(1)
+    heights = band.ReadAsArray()
+    known = heights != band.GetNoDataValue()
+    alone = gdal.GetDriverByName("GTiff").CreateCopy(str(ground), on_hills)
+    for raster, level in ((alone.GetRasterBand(1), float(np.median(heights[known]))), (band, heights)):
+        raster.WriteArray(np.where(known, level + hills, heights).astype(np.float32))
+
+
 def world_surface(path: Path) -> None:
     """Write the heights of the embedded world's town, buildings and trees included, in UTM at 0.5 m per pixel."""
     lat, lon = TOWN_PLACE
@@ -841,6 +881,7 @@ SCENES: dict[str, Callable[[Stage], None]] = {
         orthomosaic,
         trajectory,
         relief,
+        height_profile,
         learning,
         choices,
         previews,

@@ -3687,6 +3687,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <location filename="../../terrainav_plugin/profile/profiles.py"/>
         <source>No area yet.</source>
         <translation>Aún no hay área.</translation>
     </message>
@@ -3857,6 +3859,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
         <source>Fix the highlighted fields.</source>
         <translation>Corrija los campos resaltados.</translation>
     </message>
@@ -3864,6 +3867,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/form.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
         <source>Flight</source>
         <translation>Vuelo</translation>
     </message>
@@ -4777,6 +4781,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Profile</source>
+        <translation>Perfil</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Resize every image to the width and height below, in pixels (px)</source>
         <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
     </message>
@@ -4794,6 +4803,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Shortest flight</source>
         <translation>Vuelo más corto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Show the heights of flight, ground and surface along the flight, below the map</source>
+        <translation>Mostrar bajo el mapa las alturas del vuelo, del terreno y de la superficie a lo largo del vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -6746,6 +6760,98 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/windows.py"/>
         <source>{name}: {queries} queries, and {tiles} tiles of the reference.</source>
         <translation>{name}: {queries} consultas y {tiles} teselas de la referencia.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/chart.py"/>
+        <source>Click: show the place on the map. Wheel: zoom. Drag: pan. Double click: whole flight.
+Arrow keys move the cursor, Page keys from image to image, Enter shows the place, + and - zoom, Esc shows the whole flight.</source>
+        <translation>Clic: mostrar el lugar en el mapa. Rueda: zoom. Arrastrar: desplazar. Doble clic: todo el vuelo.
+Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestra el lugar; + y - cambian el zoom; Esc muestra todo el vuelo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/chart.py"/>
+        <source>Distance flown ({unit})</source>
+        <translation>Distancia volada ({unit})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/chart.py"/>
+        <source>Height ({unit})</source>
+        <translation>Altura ({unit})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/chart.py"/>
+        <source>Height profile</source>
+        <translation>Perfil de alturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>Clearance {height}</source>
+        <translation>Distancia libre {height}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>Ground</source>
+        <translation>Terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>Least clearance {height} at {distance}</source>
+        <translation>Distancia libre mínima {height} a {distance}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>Level ground: the mission has no relief</source>
+        <translation>Terreno llano: la misión no tiene relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>Surface</source>
+        <translation>Superficie</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>TerrAInav: height profile</source>
+        <translation>TerrAInav: perfil de alturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>Working out the height profile…</source>
+        <translation>Calculando el perfil de alturas…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>after image {number}</source>
+        <translation>tras la imagen {number}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>image {number}</source>
+        <translation>imagen {number}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>landing</source>
+        <translation>aterrizaje</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>sortie {number}</source>
+        <translation>salida {number}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>take-off</source>
+        <translation>despegue</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>unknown</source>
+        <translation>desconocida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/profiles.py"/>
+        <source>This place cannot be shown in the map's CRS.</source>
+        <translation>Este lugar no se puede mostrar en el SRC del mapa.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/connections.py"/>

@@ -38,6 +38,8 @@ class Planning(QObject):
     -------
     planned(object)
         The `PlannedMission` of the entered mission.
+    unplanned(str)
+        There is no plan of the entered mission any more, with the reason; an empty text while one is worked out.
 
     Attributes
     ----------
@@ -46,6 +48,7 @@ class Planning(QObject):
     """
 
     planned = pyqtSignal(object)
+    unplanned = pyqtSignal(str)
 
     def __init__(self, dock: Dock, planner: Planner, messages: Messages, timed: Callable[[], bool]) -> None:
         super().__init__()
@@ -110,11 +113,18 @@ class Planning(QObject):
                 messages = {name: text for name, text in messages.items() if name not in BOX_FIELDS}
             self._form.show_messages(messages)
             unseen = self._form.marks.hidden_messages(messages)
-            self._dock.show_problem(unseen) if unseen or state.has_box else self._dock.show_nothing()
+            if unseen or state.has_box:
+                self._show_problem(unseen)
+            else:
+                self._dock.show_nothing()
+                self.unplanned.emit(tr("No area yet."))
             return False
         self._form.show_messages({})
         self._asked = mission
-        self._dock.figures.show_working(self.latest is None or self.latest.mission != mission)
+        outdated = self.latest is None or self.latest.mission != mission
+        self._dock.figures.show_working(outdated)
+        if outdated:
+            self.unplanned.emit("")
         timed = not self._mission_cost(mission) and self._may_time() and self._when_planned is None
         self._planner.request(mission, at_once, timed)
         return True
@@ -171,19 +181,24 @@ class Planning(QObject):
         """Text on the timing of a mission's methods; empty if unknown."""
         return self._timed[1] if self._timed is not None and self._timed[0] == mission else ""
 
+    def _show_problem(self, text: str) -> None:
+        """Show why there are no figures; an empty text refers to the marked fields."""
+        self._dock.show_problem(text)
+        self.unplanned.emit(text or tr("Fix the highlighted fields."))
+
     def _show_refused(self, error: Exception) -> None:
         self.latest = None
         waiting = self._when_planned
         self._stop_waiting()
         if isinstance(error, FormError):
             self._form.show_messages(error.messages)
-            self._dock.show_problem(self._form.marks.hidden_messages(error.messages))
+            self._show_problem(self._form.marks.hidden_messages(error.messages))
         elif isinstance(error, TerrAInavError):
             messages = mission_form.refused_fields(error)
             self._form.show_messages(messages)
-            self._dock.show_problem(next(iter(messages.values()), translate(error)))
+            self._show_problem(next(iter(messages.values()), translate(error)))
         else:
-            self._dock.show_problem(tr("Unexpected error: {error}").format(error=repr(error)))
+            self._show_problem(tr("Unexpected error: {error}").format(error=repr(error)))
             self._messages.error(
                 tr("The mission could not be planned."),
                 "".join(traceback.format_exception(None, error, error.__traceback__)),

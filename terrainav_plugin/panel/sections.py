@@ -59,6 +59,8 @@ class FlightEntries(Entries):
     -------
     align_clicked(str)
         The user wants to align the rows, in one of `parts.ALIGNMENTS`.
+    profile_clicked()
+        The user wants to see the height profile.
 
     Attributes
     ----------
@@ -67,6 +69,7 @@ class FlightEntries(Entries):
     """
 
     align_clicked = pyqtSignal(str)
+    profile_clicked = pyqtSignal()
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("flight", tr("Flight"), marks)
@@ -123,7 +126,10 @@ class FlightEntries(Entries):
         )
         self.camera_gsd = spin("camera_gsd", 0.0, _GSD, 4, "", tip)
         self.camera_gsd.valueChanged.connect(lambda: setattr(self, "height_by", "gsd"))
-        self.add("camera_gsd", tr("&GSD"), self.camera_gsd)
+        tip = tr("Show the heights of flight, ground and surface along the flight, below the map")
+        self.profile = push_button("profile", tr("Profile"), tip)
+        self.profile.clicked.connect(lambda _checked: self.profile_clicked.emit())
+        self.add("camera_gsd", tr("&GSD"), self.camera_gsd, row(self.camera_gsd, self.profile, stretch=0))
         self.low = named(FieldMessage(), "camera_gsd_hint")
         self.low.setWordWrap(True)
         self.low.hide()
