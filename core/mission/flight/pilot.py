@@ -20,7 +20,9 @@ from .path import HOVER_S, LANDING, TAKEOFF
 FASTEST_M_PER_S = 15.0
 #: Speeds of take-off and landing: QGroundControl's defaults.
 ASCENT_M_PER_S, DESCENT_M_PER_S = 3.0, 1.0
-#: Maximum flight times of drones in DJI's specifications, minutes; of those with DJI Fly, that of the Mini 4 Pro.
+#: Maximum flight times of drones, minutes, without payload and wind until the battery is empty: DJI, Payload SDK
+#: documentation, "Hardware Platform" (developer.dji.com/doc/payload-sdk-tutorial). It has neither the Mavic 3M nor the
+#: Mini 4 Pro, which stands for the drones of DJI Fly: these two are not confirmed.
 ENDURANCE_MIN = {
     "mavic-3e": 45.0,
     "mavic-3t": 45.0,
