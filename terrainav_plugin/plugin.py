@@ -71,11 +71,11 @@ class TerrAInavPlugin:
         self.messages = Messages(self.iface)
         self._toolbar = self.iface.addToolBar(MENU)
         self._toolbar.setObjectName("terrainav_toolbar")
-        # Not in QGIS's plugin menu, which would stay after its last entry is removed.
         self._menu = QMenu(f"&{MENU}", self.iface.rasterMenu())
         self._menu.setObjectName("terrainav_menu")
         self._menu.setIcon(icon("icon"))
-        self.iface.rasterMenu().addMenu(self._menu)
+        for menu in self._menus():
+            menu.addMenu(self._menu)
         self._add("dock", tr("Mission &panel"), self._toggle_dock, checkable=True)
         self._add("draw_box", tr("&Draw box"), self._toggle_box_tool, checkable=True)
         self._add("draw_polygon", tr("Draw pol&ygon"), self._toggle_polygon_tool, checkable=True)
@@ -150,11 +150,16 @@ class TerrAInavPlugin:
             self.iface.unregisterMainWindowAction(action)
             action.deleteLater()
         self.actions.clear()
-        self.iface.rasterMenu().removeAction(self._menu.menuAction())
+        for menu in self._menus():
+            menu.removeAction(self._menu.menuAction())
         self._menu.deleteLater()
         self.iface.mainWindow().removeToolBar(self._toolbar)
         self._toolbar.deleteLater()
         self._toolbar = self._menu = self._options = None
+
+    def _menus(self) -> tuple[QMenu, QMenu]:
+        """Menus of QGIS that have the plugin's menu: of its subject, and where QGIS lists plugins."""
+        return self.iface.rasterMenu(), self.iface.pluginMenu()
 
     def show_settings(self) -> None:
         """Open QGIS's options at the plugin's page."""

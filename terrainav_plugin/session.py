@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from qgis.core import QgsProject
 from qgis.gui import QgisInterface
-from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QComboBox, QDialog
 
 from ..core.errors import TerrAInavError
@@ -32,7 +32,7 @@ from .panel.choices import source_choices
 from .panel.dock import Dock
 from .panel.form import FormMemory
 from .panel.planning import Planning
-from .panel.runs import RunPanel
+from .panel.runs import OpeningRow, RunPanel
 from .panel.source_list import SourceList
 from .paths import entered_folder, exists, next_folder, open_in_system
 from .planner import PlannedMission, Planner
@@ -45,7 +45,7 @@ from .remote.trust import agree, source_names
 from .results.compare import Compare
 from .results.viewing import Viewing
 from .settings import Settings
-from .widgets import menu_keys
+from .widgets import add_docked, menu_keys
 
 if TYPE_CHECKING:
     from ..core.mission.areas.area import Box
@@ -99,6 +99,7 @@ class Session(QObject):
             form.set_state,
             lambda: self.runs.folders,
         )
+        self.opening_row = OpeningRow(self.dock.run_list, self.missions.stop_opening)
         self.viewing = Viewing(self.project, iface, messages)
         self.compare = Compare(self.project, iface)
         self.profiles = Profiles(iface, messages, lambda: form.state().agl_unit)
@@ -109,7 +110,7 @@ class Session(QObject):
         self._join_panel()
         self._join_rooms()
         self.dock.assign_letters(menu_keys(window.menuBar()))
-        iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
+        add_docked(self.dock, iface)
         self._restore()
 
     # --- requests of toolbar and panel
@@ -255,6 +256,8 @@ class Session(QObject):
         self.planning.planned.connect(lambda planned: self.profiles.show_plan(planned.plan))
         self.planning.unplanned.connect(self.profiles.show_reason)
         form.flight.profile_clicked.connect(self.profiles.open)
+        self.planning.planned.connect(lambda _planned: self._show_plannable(""))
+        self.planning.unplanned.connect(self._show_unplanned)
         self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.connect(self._show_hint)
@@ -267,6 +270,7 @@ class Session(QObject):
         runs.running.connect(self.dock.show_busy)
         runs.refused.connect(form.show_messages)
         runs.other_folder_wanted.connect(self._capture_into)
+        runs.dataset_wanted.connect(missions.open_dataset)
         runs.results_shown.connect(self._hide_planned)
         runs.results_shown.connect(missions.gather)
         runs.test_shot_shown.connect(self.background.zoom_to_layer)
@@ -276,6 +280,7 @@ class Session(QObject):
         missions.refused.connect(form.show_messages)
         missions.capture_failed_wanted.connect(lambda: self.capture(only_failed=True))
         missions.clean_wanted.connect(lambda folder: self.datasets.open(folder, CLEAN))
+        missions.opening.connect(self._show_opening)
         missions.plan_export.plan_wanted.connect(self.planning.use_plan)
         missions.plan_export.refused.connect(form.show_messages)
         self.dock.export_plan_clicked.connect(missions.plan_export.ask)
@@ -339,6 +344,25 @@ class Session(QObject):
 
     # --- smaller reactions
 
+    def _show_opening(self, name: str, percent: float) -> None:
+        """Show that a dataset is being opened, whose mission the panel will have."""
+        has_changed = name != self.dock.opening
+        self.dock.opening = name
+        self.opening_row.show(name, percent)
+        if has_changed:
+            self._show_hint()
+            if not self.state().has_box:
+                self.planning.plan()
+
+    def _show_unplanned(self, reason: str) -> None:
+        # Without a reason, the plan is being worked out, and the button waits for it.
+        if reason:
+            self._show_plannable(self.dock.form.marks.first_message() or reason)
+
+    def _show_plannable(self, reason: str) -> None:
+        self.missions.plan_export.reason = reason
+        self.dock.show_plannable(reason)
+
     def _datasets(self) -> list[Path]:
         """Folders of the latest datasets, then the folder of the panel's mission unless it is read-only."""
         in_panel = entered_folder(self.state().folder)
@@ -385,6 +409,9 @@ class Session(QObject):
 
     def _show_hint(self, *_: object) -> None:
         hint, has_box = "", self.state().has_box
+        if self.dock.opening:
+            self.dock.show_hint("")
+            return
         if not self.project.mapLayers():
             to_show = tr("show the selected imagery") if has_box else tr("show the selected imagery and draw a box")
             hint = tr("The map is empty: {link}, or add layers of your own.").format(link=_link("show", to_show))

@@ -122,14 +122,18 @@ class LatestWorker(QObject):
     -------
     failed(object)
         The error of the latest request.
+    awaited(bool)
+        Whether the latest request is to be answered.
     """
 
     failed = pyqtSignal(object)
+    awaited = pyqtSignal(bool)
     _finished = pyqtSignal(int, object, object)
 
     def __init__(self, name: str, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._latest = self._open = 0
+        self.is_awaited = False
         self._closed = False
         self._pool = ThreadPoolExecutor(1, thread_name_prefix=f"terrainav-{name}")
         # The signal is emitted on the worker's thread and received on the thread of this object.
@@ -158,6 +162,7 @@ class LatestWorker(QObject):
         self.forget()
         self._open += 1
         number = self._latest
+        self._await(True)
 
         def overtaken() -> bool:
             return number != self._latest
@@ -169,6 +174,7 @@ class LatestWorker(QObject):
     def forget(self) -> None:
         """Make all requests so far overtaken."""
         self._latest += 1
+        self._await(False)
 
     def close(self) -> None:
         """End the thread, and deliver no more answers."""
@@ -176,10 +182,16 @@ class LatestWorker(QObject):
         self._closed = True
         self._pool.shutdown(wait=True, cancel_futures=True)
 
+    def _await(self, awaited: bool) -> None:
+        if awaited != self.is_awaited:
+            self.is_awaited = awaited
+            self.awaited.emit(awaited)
+
     def _deliver(self, number: int, future: Future[Any], answer: Callable[[Any], None]) -> None:
         self._open -= 1
         if number != self._latest or future.cancelled():
             return
+        self._await(False)
         error = future.exception()
         if error is None:
             answer(future.result())

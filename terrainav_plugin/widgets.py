@@ -35,11 +35,13 @@ from qgis.PyQt.QtWidgets import (
     QComboBox,
     QDialog,
     QDialogButtonBox,
+    QDockWidget,
     QFormLayout,
     QFrame,
     QHBoxLayout,
     QLabel,
     QLineEdit,
+    QMenu,
     QMenuBar,
     QPushButton,
     QScrollArea,
@@ -674,33 +676,38 @@ def menu_keys(menus: QMenuBar) -> set[str]:
     return {key.rpartition("+")[2] for key in keys if key}
 
 
-def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int, int]) -> None:
-    """Add a dock widget that floats over a corner of the map, within the screen."""
+def add_docked(
+    panel: QgsDockWidget,
+    iface: QgisInterface,
+    beside: str = "",
+    area: Qt.DockWidgetArea = Qt.DockWidgetArea.RightDockWidgetArea,
+) -> None:
+    """Dock a widget where the user had it, by default in ``area``, as a tab next to the widget named ``beside``."""
     window = iface.mainWindow()
-    remove_menu_mnemonics(panel, window.menuBar())
-    # Float the widget before adding it, as a wide one would permanently widen the docked panels.
-    panel.setParent(window)
-    panel.setFloating(True)
-    iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, panel)
-    # Slightly inside the map.
-    corner = iface.mapCanvas().mapToGlobal(QPoint(12, 36))
-    screen = window.screen().availableGeometry()
-    wide, high = min(size_px[0], screen.width()), min(size_px[1], screen.height())
-    left = max(min(corner.x(), screen.right() - wide), screen.left())
-    # Leave room for the title bar.
-    panel.setGeometry(left, max(min(corner.y(), screen.bottom() - high), screen.top()), wide, high)
-
-
-def add_docked(panel: QgsDockWidget, iface: QgisInterface, beside: str) -> None:
-    """Add a dock widget on the right, as a tab next to the dock widget named ``beside``."""
-    window = iface.mainWindow()
-    remove_menu_mnemonics(panel, window.menuBar())
-    iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, panel)
-    other = window.findChild(QgsDockWidget, beside)
-    if other is not None and other.isVisible() and not other.isFloating():
-        window.tabifyDockWidget(other, panel)
+    if window.restoreDockWidget(panel):
+        # As `addDockWidget` of QGIS does, which would move the widget.
+        menu = window.findChild(QMenu, "mPanelMenu")
+        if menu is not None:
+            menu.addAction(panel.toggleViewAction())
+        # Qt shows a restored tab only after it is added as a tab.
+        for other in window.tabifiedDockWidgets(panel)[:1]:
+            window.tabifyDockWidget(other, panel)
+    else:
+        _dock(panel, iface, beside, area)
+    # Not `setUserVisible`, which takes a restored tab to be in front before it is.
     panel.show()
     panel.raise_()
+
+
+def _dock(panel: QgsDockWidget, iface: QgisInterface, beside: str, area: Qt.DockWidgetArea) -> None:
+    window = iface.mainWindow()
+    docked = [one for one in window.findChildren(QDockWidget) if one is not panel and not one.isFloating()]
+    # Also next to a hidden one, which would otherwise come back above or below.
+    others = [one for one in docked if one.objectName() == beside]
+    others += [one for one in docked if one.isVisible() and window.dockWidgetArea(one) == area]
+    iface.addDockWidget(area, panel)
+    if beside and others:
+        window.tabifyDockWidget(others[0], panel)
 
 
 def mnemonic_key(text: str) -> str:

@@ -1339,8 +1339,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
-        <source>Its project is closed: open the dataset by “Missions” to see it.</source>
-        <translation>Su proyecto está cerrado: abra el conjunto de datos con «Misiones» para verlo.</translation>
+        <source>Its project is closed.</source>
+        <translation>Su proyecto está cerrado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Open dataset</source>
+        <translation>Abrir el conjunto de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -2552,6 +2557,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Elegir la carpeta de un conjunto de datos.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/dataset_window/tab.py"/>
+        <source>Reading was stopped; another tab and back reads the dataset again.</source>
+        <translation>La lectura se ha detenido; cambie de pestaña y vuelva para leer de nuevo el conjunto de datos.</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
         <source>Cleaning {name}</source>
         <translation>Limpiando {name}</translation>
@@ -2623,6 +2633,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Dataset (TerrAInav)</source>
+        <translation>Conjunto de datos (TerrAInav)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
         <source>Export</source>
         <translation>Exportar</translation>
     </message>
@@ -2649,13 +2664,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/window.py"/>
-        <source>Stop; what is done so far can be finished, or undone</source>
-        <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
-        <source>TerrAInav: dataset</source>
-        <translation>TerrAInav: conjunto de datos</translation>
+        <source>Stop; what a task has done so far can be finished, or undone</source>
+        <translation>Detener; lo que una tarea ha hecho hasta ahora se puede terminar o deshacer</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/window.py"/>
@@ -3694,8 +3704,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Nothing to export yet: {reason}</source>
+        <translation>Aún no hay nada que exportar: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Open, save and start missions: of this project, from files or from datasets</source>
         <translation>Abrir, guardar y empezar misiones: de este proyecto, de archivos o de conjuntos de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Opening {name}…</source>
+        <translation>Abriendo {name}…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
@@ -4659,6 +4679,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Opening; making the mosaic…</source>
+        <translation>Abriendo; creando el mosaico…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Opening…</source>
+        <translation>Abriendo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Pause this capture</source>
         <translation>Pausar esta captura</translation>
     </message>
@@ -4676,6 +4706,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Resume this capture</source>
         <translation>Reanudar esta captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Stop opening this dataset</source>
+        <translation>Dejar de abrir este conjunto de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -7050,6 +7085,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>Compare images (TerrAInav)</source>
+        <translation>Comparar imágenes (TerrAInav)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
         <source>F&amp;irst image</source>
         <translation>P&amp;rimera imagen</translation>
     </message>
@@ -7082,11 +7122,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../terrainav_plugin/results/compare.py"/>
         <source>Switch again and again</source>
         <translation>Cambiar una y otra vez</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/compare.py"/>
-        <source>TerrAInav: compare images</source>
-        <translation>TerrAInav: comparar imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/compare.py"/>
@@ -7170,6 +7205,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Images (TerrAInav)</source>
+        <translation>Imágenes (TerrAInav)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Images that show the clicked place</source>
         <translation>Imágenes que muestran el lugar pulsado</translation>
     </message>
@@ -7242,11 +7282,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Steep faces</source>
         <translation>Caras empinadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>TerrAInav images</source>
-        <translation>Imágenes de TerrAInav</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>

@@ -39,6 +39,8 @@ class Endings(QObject):
         Folder of a run that was not stopped, once its results are on the map.
     test_shot_shown(object)
         Layer of a test shot.
+    dataset_wanted(object)
+        Folder of a dataset to open.
     resume_wanted(object), failed_wanted(object)
         A run to resume; a run whose failed images are to be captured again.
     missing_wanted(object, str, int)
@@ -47,6 +49,7 @@ class Endings(QObject):
 
     shown = pyqtSignal(object)
     test_shot_shown = pyqtSignal(object)
+    dataset_wanted = pyqtSignal(object)
     resume_wanted = pyqtSignal(object)
     failed_wanted = pyqtSignal(object)
     missing_wanted = pyqtSignal(object, str, int)
@@ -166,14 +169,16 @@ class Endings(QObject):
                 text += " " + tr("Without a mosaic: {reason}. “View images” shows them one by one.").format(
                     reason=run.task.without_mosaic
                 )
+            action = (tr("Open folder"), lambda: open_in_system(run.folder))
             if not is_open:
-                text += " " + tr("Its project is closed: open the dataset by “Missions” to see it.")
-            open_folder = (tr("Open folder"), lambda: open_in_system(run.folder))
+                text += " " + tr("Its project is closed.")
+                action = (tr("Open dataset"), lambda: self.dataset_wanted.emit(run.folder))
             if run.task.without_mosaic:
                 # A warning stays until the user closes it.
-                self._messages.warning(f"{name}: {text}", action=open_folder)
+                self._messages.warning(f"{name}: {text}", action=action)
             else:
-                self._messages.success(f"{name}: {text}", open_folder)
+                # So does the only way to results that are not on the map.
+                self._messages.success(f"{name}: {text}", action, lasts=not is_open)
 
     def _tell_failed(self, run: BackgroundRun) -> None:
         failed = run.result.failed

@@ -61,7 +61,7 @@ class Runs(QObject):
         Error messages by field.
     other_folder_wanted(object)
         The folder into which to capture the entered mission.
-    results_shown(object), test_shot_shown(object)
+    results_shown(object), test_shot_shown(object), dataset_wanted(object)
         As in `Endings`.
     """
 
@@ -73,6 +73,7 @@ class Runs(QObject):
     other_folder_wanted = pyqtSignal(object)
     results_shown = pyqtSignal(object)
     test_shot_shown = pyqtSignal(object)
+    dataset_wanted = pyqtSignal(object)
 
     def __init__(
         self,
@@ -90,6 +91,7 @@ class Runs(QObject):
         self._endings = Endings(messages, open_project, group, self)
         self._endings.shown.connect(self.results_shown)
         self._endings.test_shot_shown.connect(self.test_shot_shown)
+        self._endings.dataset_wanted.connect(self.dataset_wanted)
         self._endings.resume_wanted.connect(self.resume)
         self._endings.failed_wanted.connect(self.capture_failed)
         self._endings.missing_wanted.connect(self.treat_as_missing)

@@ -85,6 +85,8 @@ class BackgroundRun(QObject):
         self.only_failed = only_failed
         self.stage = Stage.WAITING
         self.progress: Progress | None = None
+        #: Progress when the latest pause began, shown until it ends: images under way are finished meanwhile.
+        self.paused_at: Progress | None = None
         self.percent = 0.0
         self.task = CaptureTask(plans, folder, keys, test_shot, only_failed)
 
@@ -142,6 +144,7 @@ class BackgroundRun(QObject):
         """Pause or resume the run."""
         if self.stage in (Stage.RUNNING, Stage.PAUSED):
             self.task.paused = paused
+            self.paused_at = self.progress
             self._become(Stage.PAUSED if paused else Stage.RUNNING)
 
     def cancel(self) -> None:
@@ -178,8 +181,9 @@ class BackgroundRun(QObject):
         self.changed.emit()
 
     def _show_progress(self, percent: float) -> None:
-        self.percent = percent
-        self.changed.emit()
+        if self.stage is not Stage.PAUSED:
+            self.percent = percent
+            self.changed.emit()
 
     def _ended(self, task: CaptureTask) -> None:
         result = task.result
@@ -221,13 +225,11 @@ def row_text(run: BackgroundRun, place: int = 0) -> str:
         return tr("Stopping…") if run.result is None else tr("Stopped; making the mosaic…")
     if run.has_ended:
         return _end_text(run)
+    if run.stage is Stage.PAUSED:
+        return tr("Paused") if run.paused_at is None else tr("Paused: {counts}").format(counts=_counts(run.paused_at))
     if run.progress is None:
-        if run.stage is Stage.PAUSED:
-            return tr("Paused")
         # A task with relief first reads heights, to trace the images.
         return tr("Reading heights…") if run.mission.terrain.elevation else tr("Starting…")
-    if run.stage is Stage.PAUSED:
-        return tr("Paused: {counts}").format(counts=_counts(run.progress))
     return _counts(run.progress) + _pace(run.progress, making_mosaic=not run.test_shot)
 
 

@@ -252,7 +252,8 @@ class CaptureTask(Task):
             progress = self._sum(progress)
         done = progress.done + progress.failed + progress.skipped
         share = self._capture_share if self._with_mosaic else 1.0
-        self.setProgress(100.0 * share * done / max(progress.total, 1))
+        if not self.paused:
+            self.setProgress(100.0 * share * done / max(progress.total, 1))
         self._there = progress.done + progress.skipped
         self.progressed.emit(progress)
         if progress.failed > self._failed_seen and time.monotonic() >= self._next_look_s:

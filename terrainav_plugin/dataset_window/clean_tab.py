@@ -10,11 +10,9 @@ from qgis.PyQt.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPixmap
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
     QComboBox,
-    QFormLayout,
     QGridLayout,
     QHBoxLayout,
     QLabel,
-    QProgressBar,
     QSizePolicy,
     QTabWidget,
     QToolButton,
@@ -97,13 +95,7 @@ class CleanTab(QWidget):
         self.strip.clear()
         with QSignalBlocker(self.map_type):
             self.map_type.clear()
-        self.bar.hide()
         self._enable()
-
-    def show_reading(self, percent: float) -> None:
-        """Show the progress of reading."""
-        self.bar.show()
-        self.bar.setValue(int(percent))
 
     def show_entropies(self, found: Mapping[str, Entropies], map_type: str, footprints: bool) -> None:
         """Show a map type of a dataset, and offer the others.
@@ -113,7 +105,6 @@ class CleanTab(QWidget):
         footprints : bool
             Whether the dataset has footprints to show on the map.
         """
-        self.bar.hide()
         self._footprints = footprints
         self.on_map.setToolTip(
             tr("Mark on the map the images that would be rejected") if footprints else no_footprints()
@@ -285,23 +276,23 @@ class CleanTab(QWidget):
             tr("Write both charts of every map type as PNG; needs the Python package matplotlib"),
         )
         self.save.clicked.connect(lambda _checked: self.pictures_wanted.emit())
-        self.bar = named(QProgressBar(), "clean_progress")
-        self.bar.setTextVisible(False)
-        self.bar.setFixedHeight(6)
-        self.bar.hide()
 
     def _lay_out(self) -> None:
+        shown = QHBoxLayout()
+        shown.addWidget(self.map_type, 1)
+        shown.addWidget(self.on_map)
         form = growing_form()
-        _add_row(form, tr("Map t&ype"), self.map_type)
+        title = QLabel(tr("Map t&ype"))
+        title.setBuddy(self.map_type)
+        form.addRow(title, shown)
         line = QHBoxLayout()
         label = QLabel(tr("&Threshold"))
         label.setBuddy(self.threshold)
         for widget in (label, self.threshold, self.suggest):
             line.addWidget(widget)
         line.addStretch(1)
-        line.addWidget(self.on_map)
+        line.addWidget(self.save)
         actions = QHBoxLayout()
-        actions.addWidget(self.save)
         actions.addStretch(1)
         for widget in (self.buttons[UNDO], self.buttons[MARK], self.buttons[MOVE]):
             actions.addWidget(widget)
@@ -314,7 +305,6 @@ class CleanTab(QWidget):
         layout.addWidget(self.counts)
         layout.addWidget(self.notes)
         layout.addWidget(self.strip)
-        layout.addWidget(self.bar)
         layout.addLayout(actions)
 
 
@@ -410,12 +400,6 @@ def no_footprints() -> str:
     return tr("This dataset has no footprints: it cannot be shown on the map.")
 
 
-def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
-    label = QLabel(title)
-    label.setBuddy(widget)
-    form.addRow(label, widget)
-
-
 class _Line(QWidget):
     """A horizontal line in the colour that one side of the threshold has in the charts."""
 
@@ -436,9 +420,9 @@ def _buttons(side: str) -> list[QToolButton]:
         button.setIconSize(QSize(*_ICON_PX))
         button.setAutoRaise(True)
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        # With a large font, the buttons shrink and crop their images.
+        # With a large font or in a narrow window, the buttons shrink and crop their images.
         button.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
-        button.setMinimumWidth(40)
+        button.setMinimumWidth(34)
         buttons.append(button)
     return buttons
 

@@ -22,6 +22,7 @@ from ..widgets import first_problem
 from .clean_tab import COUNT, CleanTab, no_footprints, read_examples
 from .entropies import read_entropies
 from .marks import Marks
+from .tab import reading_stopped
 from .tasks import CleanTask, PicturesTask
 
 if TYPE_CHECKING:
@@ -44,9 +45,12 @@ class Cleaning(QObject):
     -------
     dataset_wanted(object)
         Folder of a dataset to open, with its mosaics rebuilt.
+    read_so_far(float)
+        Percentage of the dataset that has been read.
     """
 
     dataset_wanted = pyqtSignal(object)
+    read_so_far = pyqtSignal(float)
     #: Number of the request to read, and the percentage read; emitted on the reader's thread.
     _read_so_far = pyqtSignal(int, float)
 
@@ -62,8 +66,8 @@ class Cleaning(QObject):
         self._map_type = ""
         self._asked = 0
         # Two workers: images are needed while a long table is being read, and vice versa.
-        self._reader, self._pictures = LatestWorker("entropies"), LatestWorker("examples")
-        self._reader.failed.connect(self._refused)
+        self.reader, self._pictures = LatestWorker("entropies"), LatestWorker("examples")
+        self.reader.failed.connect(self._refused)
         self._read_so_far.connect(self._show_reading)
         # Update examples and crosses when the threshold rests: dragging stays smooth for any number of images.
         self._rested = single_shot(self._follow, self, 60)
@@ -72,7 +76,7 @@ class Cleaning(QObject):
     @property
     def busy(self) -> bool:
         """Whether results are pending."""
-        return self._rested.isActive() or self._pictures.busy or self.marks.busy or self._reader.busy
+        return self._rested.isActive() or self._pictures.busy or self.marks.busy or self.reader.busy
 
     def take(self, folder: Path | None) -> None:
         """Show the current state of a dataset; None shows no dataset."""
@@ -80,9 +84,15 @@ class Cleaning(QObject):
             self._read(folder)
             return
         # Abandon the current reading.
-        self._reader.forget()
+        self.reader.forget()
         self._forget(None)
         self.panel.show_hint()
+
+    def stop_reading(self) -> None:
+        """Abandon the current reading."""
+        self.reader.forget()
+        self._forget(None)
+        self.panel.show_hint(reading_stopped())
 
     def show_in_sight(self, in_sight: bool) -> None:
         """Show crosses on the map only while the tab is visible."""
@@ -96,7 +106,7 @@ class Cleaning(QObject):
         """Stop for good."""
         self._asked += 1
         self._rested.stop()
-        self._reader.close()
+        self.reader.close()
         self._pictures.close()
         self.marks.close()
 
@@ -121,11 +131,11 @@ class Cleaning(QObject):
 
             return read_entropies(folder, report)
 
-        self._reader.ask(read, self._show)
+        self.reader.ask(read, self._show)
 
     def _show_reading(self, number: int, percent: float) -> None:
         if number == self._asked and not self._found:
-            self.panel.show_reading(percent)
+            self.read_so_far.emit(percent)
 
     def _show(self, found: dict[str, Entropies]) -> None:
         self._found = found
@@ -187,7 +197,7 @@ class Cleaning(QObject):
         if folder is None or not self._is_right():
             return
         chosen = QFileDialog.getExistingDirectory(self.panel, tr("TerrAInav: folder for the charts"), str(folder))
-        if chosen and not self._reader.closed:
+        if chosen and not self.reader.closed:
             task = PicturesTask(folder, Path(chosen), self.panel.threshold.value())
             self._work.start(task, self._pictures_saved)
 

@@ -13,7 +13,8 @@ from ...core.dataset.folder import MISSION_FILE
 from ...core.storage.files import file_exists
 from ..paths import entered_folder
 from ..settings import recent
-from ..widgets import add_floating
+from ..tasks import LatestWorker, single_shot
+from ..widgets import add_docked, remove_menu_mnemonics
 
 if TYPE_CHECKING:
     from ..messages import Messages
@@ -55,6 +56,9 @@ class Datasets(QObject):
     def __init__(self, iface: QgisInterface, messages: Messages, folders: Callable[[], Iterable[Path]]) -> None:
         super().__init__()
         self._iface, self._messages, self._folders = iface, messages, folders
+        # Most datasets are read before a progress bar could be seen.
+        self._reading_lasts = single_shot(self._show_reading, self, 300)
+        self._percent_read = 0.0
         self.window: DatasetWindow | None = None
         self.cleaning: Cleaning | None = None
         self.tabs: dict[str, Tab] = {}
@@ -85,6 +89,7 @@ class Datasets(QObject):
         if self.window is None:
             return
         self._work.close()
+        self._reading_lasts.stop()
         self.window.visibilityChanged.disconnect(self._show_sight)
         self.cleaning.close()
         for tab in self.tabs.values():
@@ -118,11 +123,44 @@ class Datasets(QObject):
                 self.cleaning.take(self.folder)
             else:
                 self.tabs[name].take(self.folder)
+        self._reading_changed()
         self._show_sight(self.window.isUserVisible())
 
     def _show_sight(self, visible: bool) -> None:
         """Show the crosses on the map only while the cleaning tab is visible."""
         self.cleaning.show_in_sight(visible and TABS[self.window.tabs.currentIndex()] == CLEAN)
+
+    # --- reading
+
+    def _reader(self) -> LatestWorker:
+        """Reader of the current tab."""
+        name = TABS[self.window.tabs.currentIndex()]
+        return self.cleaning.reader if name == CLEAN else self.tabs[name].reader
+
+    def _reading_changed(self, *_: object) -> None:
+        self._percent_read = 0.0
+        self._reading_lasts.start() if self._reader().is_awaited else self._reading_lasts.stop()
+        if not self._work.busy:
+            self.window.show_progress(False, 0.0)
+
+    def _note_read(self, percent: float) -> None:
+        self._percent_read = percent
+        self._reading_lasts.stop()
+        self._show_reading()
+
+    def _show_reading(self) -> None:
+        if self._reader().is_awaited and not self._work.busy:
+            is_cleaning = TABS[self.window.tabs.currentIndex()] == CLEAN
+            self.window.show_progress(True, self._percent_read if is_cleaning else 0.0)
+
+    def _stop(self) -> None:
+        """Stop the task, or the reading of the current tab, which is read again when it is opened again."""
+        if self._work.busy:
+            self._work.stop()
+        elif self._reader().is_awaited:
+            name = TABS[self.window.tabs.currentIndex()]
+            self._stale.add(name)
+            (self.cleaning if name == CLEAN else self.tabs[name]).stop_reading()
 
     # --- tasks
 
@@ -173,9 +211,13 @@ class Datasets(QObject):
         window = self.window = DatasetWindow({CLEAN: cleaning.panel, **self.tabs})
         window.folder_chosen.connect(self._folder_chosen)
         window.compare_wanted.connect(self.compare_wanted)
-        window.stop_wanted.connect(work.stop)
+        window.stop_wanted.connect(self._stop)
+        cleaning.read_so_far.connect(self._note_read)
+        for reader in (cleaning.reader, *(tab.reader for tab in self.tabs.values())):
+            reader.awaited.connect(self._reading_changed)
         window.tabs.currentChanged.connect(self._show_current)
         window.visibilityChanged.connect(self._show_sight)
         work.shown.connect(self._show_working)
         work.ended.connect(self._ended)
-        add_floating(window, self._iface, (700, 660))
+        remove_menu_mnemonics(window, self._iface.mainWindow().menuBar())
+        add_docked(window, self._iface, "terrainav_dock")

@@ -208,6 +208,9 @@ class ExportTab(Tab):
         ):
             box = QGroupBox(title)
             grid = QGridLayout(box)
+            # As narrow as the panel next to which the window is docked.
+            grid.setContentsMargins(4, 4, 4, 4)
+            grid.setHorizontalSpacing(4)
             for at, (kind, words) in enumerate(kinds.items()):
                 button = named(QRadioButton(translate(words)), f"export_{kind}")
                 button.clicked.connect(lambda _checked: self._kind_chosen())

@@ -44,6 +44,11 @@ class Tab(QWidget):
         self.reader.forget()
         self.show_dataset()
 
+    def stop_reading(self) -> None:
+        """Abandon the current reading."""
+        self.reader.forget()
+        self.show_refused(reading_stopped())
+
     def show_working(self, working: bool) -> None:
         """Disable actions during a task."""
         self.working = working
@@ -68,6 +73,11 @@ class Tab(QWidget):
     def enable(self) -> None:
         """Enable the actions that are possible now."""
         raise NotImplementedError
+
+
+def reading_stopped() -> str:
+    """Text shown after the user has stopped the reading of a dataset."""
+    return tr("Reading was stopped; another tab and back reads the dataset again.")
 
 
 def no_folder() -> str:

@@ -25,7 +25,7 @@ class DatasetWindow(QgsDockWidget):
     stop_wanted = pyqtSignal()
 
     def __init__(self, tabs: dict[str, QWidget]) -> None:
-        super().__init__(tr("TerrAInav: dataset"))
+        super().__init__(tr("Dataset (TerrAInav)"))
         self.setObjectName("terrainav_dataset")
         self.folder = folder_entry(
             "dataset_folder",
@@ -54,7 +54,7 @@ class DatasetWindow(QgsDockWidget):
         self.bar = named(QProgressBar(), "dataset_progress")
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(6)
-        self.stop = push_button("stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone"))
+        self.stop = push_button("stop", tr("Stop"), tr("Stop; what a task has done so far can be finished, or undone"))
         self.stop.setIcon(QgsApplication.getThemeIcon("/mTaskCancel.svg"))
         self.stop.clicked.connect(lambda _checked: self.stop_wanted.emit())
         self.setWidget(self._contents())
@@ -67,10 +67,16 @@ class DatasetWindow(QgsDockWidget):
 
     def show_working(self, working: bool, percent: float) -> None:
         """Show whether a task is under way, and its progress; the folder cannot change meanwhile."""
-        self.bar.setVisible(working)
-        self.stop.setVisible(working)
-        self.bar.setValue(int(percent))
+        self.show_progress(working, percent)
         self.folder.setEnabled(not working)
+
+    def show_progress(self, shown: bool, percent: float) -> None:
+        """Show progress, and the button that stops it; 0 % as a moving bar, as long as the share is unknown."""
+        self.bar.setVisible(shown)
+        self.stop.setVisible(shown)
+        if shown:
+            self.bar.setMaximum(100 if percent else 0)
+            self.bar.setValue(int(percent))
 
     def _contents(self) -> QWidget:
         form = growing_form()

@@ -69,7 +69,11 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
             continue
         captured = _child_layer(group, CAPTURED)
         if captured is not None and captured.providerType() == "ogr" and is_path(str(layer_dataset(captured))):
-            group.setCustomProperty(_FOLDER, str(layer_dataset(captured)))
+            moved = str(layer_dataset(captured))
+            for layer in project.mapLayers().values():
+                if layer.customProperty(_FOLDER) == _text(group, _FOLDER):
+                    layer.setCustomProperty(_FOLDER, moved)
+            group.setCustomProperty(_FOLDER, moved)
         folder = _text(group, _FOLDER)
         current = bool(group.customProperty(_CURRENT))
         missions.append(SavedMission(group.name(), folder if is_path(folder) else "", _text(group, _MISSION), current))
@@ -100,11 +104,16 @@ def addresses(project: QgsProject) -> list[tuple[Path, str]]:
 
 
 def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapLayer]]:
-    """Layers of a type in a project's mission groups, from the top of the layer tree, each after its group's title."""
+    """Layers of a type in a project's missions, from the top of the layer tree, each after its group's title."""
     found = []
     for node in project.layerTreeRoot().findLayers():
         layer, group = node.layer(), _parent_group(node)
-        if group is not None and layer is not None and layer.type() == kind:
+        if layer is None or layer.type() != kind:
+            continue
+        if group is None:
+            # Laid on top of the tree.
+            group = MissionGroup(project, Path(layer.customProperty(_FOLDER) or "")).find()
+        if group is not None:
             found.append((group.name(), layer))
     return found
 
@@ -145,8 +154,9 @@ def _parent_group(node: QgsLayerTreeNode) -> QgsLayerTreeGroup | None:
 
 
 def _is_ours(node: QgsLayerTreeNode) -> bool:
-    """Whether a node is a mission group, or a group of several datasets of one mission."""
-    return bool(node.customProperty(_FOLDER) or node.customProperty(_SEVERAL))
+    """Whether a node is a mission group, a group of several datasets of one mission, or a layer of a mission."""
+    layer = node.layer() if isinstance(node, QgsLayerTreeLayer) else None
+    return bool(node.customProperty(_FOLDER) or node.customProperty(_SEVERAL) or (layer and layer.customProperty(ROLE)))
 
 
 def _is_foreign(node: QgsLayerTreeLayer | None) -> bool:
@@ -237,6 +247,20 @@ class MissionGroup:
         layer.setCustomProperty(ROLE, role)
         self.project.addMapLayer(layer, False)
         return self.made().insertLayer(index, layer)
+
+    def on_top(self, role: str) -> QgsMapLayer | None:
+        """Layer with a role that `add_on_top` has added, if it is still in the project."""
+        for layer in self.project.mapLayers().values():
+            if (layer.customProperty(ROLE), layer.customProperty(_FOLDER)) == (role, self._folder):
+                return layer
+        return None
+
+    def add_on_top(self, layer: QgsMapLayer, role: str) -> QgsLayerTreeLayer:
+        """Add a layer of the mission on top of the layer tree, above all groups."""
+        layer.setCustomProperty(ROLE, role)
+        layer.setCustomProperty(_FOLDER, self._folder)
+        self.project.addMapLayer(layer, False)
+        return self.project.layerTreeRoot().insertLayer(0, layer)
 
     def remove(self, role: str) -> None:
         """Remove the layer with a role from the project, if any."""

@@ -191,6 +191,8 @@ class Missions(QObject):
         The user wants to clean the dataset in a folder.
     compare_wanted()
         The user wants to compare two images on the map.
+    opening(str, float)
+        Name of the dataset that is being opened, and the percentage of its mosaics made; empty at the end.
     """
 
     preview_wanted = pyqtSignal(bool)
@@ -200,6 +202,7 @@ class Missions(QObject):
     capture_failed_wanted = pyqtSignal()
     clean_wanted = pyqtSignal(object)
     compare_wanted = pyqtSignal()
+    opening = pyqtSignal(str, float)
 
     def __init__(
         self,
@@ -272,8 +275,11 @@ class Missions(QObject):
         last.setEnabled(not last.isEmpty())
         menu.addAction(tr("&Save mission as file…"), self.save_as)
         export = menu.addAction(tr("&Export plan…"), self.plan_export.ask)
+        export.setEnabled(not self.plan_export.reason)
         export.setToolTip(
-            tr("For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table")
+            shown_plain(self.plan_export.reason)
+            if self.plan_export.reason
+            else tr("For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table")
         )
         menu.addSeparator()
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
@@ -346,9 +352,7 @@ class Missions(QObject):
             return
         if not again:
             agree([address.url])
-        begun_in = self._open_project.number
-        self._task = task = AddressTask(address, again)
-        task.begin(lambda task: self._dataset_opened(task, None, begun_in))
+        self._begin(AddressTask(address, again), address.name, None)
 
     def _open_lost(self) -> None:
         """Copy the project's remote datasets that have no copy on this machine, one after another, each once only."""
@@ -423,8 +427,18 @@ class Missions(QObject):
         except TerrAInavError as wrong:
             self._tell_broken(folder.name, wrong)
             return
+        self._begin(task, folder.name, state)
+
+    def stop_opening(self) -> None:
+        """Cancel the opening of a dataset."""
+        if self._task is not None:
+            self._task.cancel()
+
+    def _begin(self, task: DatasetTask, name: str, state: FormState | None) -> None:
         begun_in = self._open_project.number
         self._task = task
+        task.progressChanged.connect(lambda percent: self.opening.emit(name, percent))
+        self.opening.emit(name, 0.0)
         task.begin(lambda task: self._dataset_opened(task, state, begun_in))
 
     # --- groups of datasets
@@ -573,6 +587,7 @@ class Missions(QObject):
 
     def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState | None, begun_in: int) -> None:
         self._task = None
+        self.opening.emit("", 0.0)
         at_address = task if isinstance(task, AddressTask) else None
         if at_address is not None and begun_in == self._open_project.number:
             self._open_lost()

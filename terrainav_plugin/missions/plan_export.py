@@ -96,6 +96,8 @@ class PlanExport(QObject):
         self._parent, self._messages = parent, messages
         self._mission_folder, self._drone_chosen = folder, drone_chosen
         self._task: PlanExportTask | None = None
+        #: Why there is no plan to export; empty if there is one.
+        self.reason = ""
 
     @property
     def busy(self) -> bool:

@@ -13,6 +13,7 @@ from qgis.PyQt.QtWidgets import QFrame, QHBoxLayout, QSizePolicy, QToolButton, Q
 from ..help import show_help
 from ..i18n import tr
 from ..paths import icon
+from ..plain import shown_plain
 from ..widgets import push_button, tool_button, wrapped_label
 from .choices import CameraChoice, SourceChoice
 from .figures import Figures, Link
@@ -56,6 +57,8 @@ class Dock(QgsDockWidget):
         self.run_list = RunList()
         self._make_buttons()
         self.letters: Letters | None = None
+        #: Name of the dataset that is being opened; empty for none.
+        self.opening = ""
         self.setWidget(self._contents())
 
     def assign_letters(self, menu_keys: set[str]) -> None:
@@ -86,7 +89,14 @@ class Dock(QgsDockWidget):
 
     def show_nothing(self) -> None:
         """Show that no area is entered."""
-        self.figures.show_text(tr("No area yet."))
+        text = tr("Opening {name}…").format(name=self.opening) if self.opening else tr("No area yet.")
+        self.figures.show_text(text)
+
+    def show_plannable(self, reason: str) -> None:
+        """Enable the export of the plan, unless there is a reason why there is none."""
+        self.export_plan.setEnabled(not reason)
+        refusal = tr("Nothing to export yet: {reason}").format(reason=reason)
+        self.export_plan.setToolTip(shown_plain(refusal) if reason else _export_tip())
 
     def show_problem(self, text: str) -> None:
         """Show why there are no figures."""
@@ -115,8 +125,7 @@ class Dock(QgsDockWidget):
             icon("capture"),
         )
         self.capture.clicked.connect(self.capture_clicked)
-        tip = tr("Write the plan as a file for drones, ground stations and other programs")
-        self.export_plan = _text_button("export_plan", tr("Export plan…"), tip)
+        self.export_plan = _text_button("export_plan", tr("Export plan…"), _export_tip())
         self.export_plan.clicked.connect(lambda _checked: self.export_plan_clicked.emit())
         of_qgis = QgsApplication.getThemeIcon
         tip = tr("Open, save and start missions: of this project, from files or from datasets")
@@ -188,6 +197,10 @@ class Contents(QWidget):
         """Share the room anew."""
         super().resizeEvent(event)
         self._resized(event.size().height())
+
+
+def _export_tip() -> str:
+    return tr("Write the plan as a file for drones, ground stations and other programs")
 
 
 def _text_button(name: str, text: str, tip: str) -> QToolButton:

@@ -106,6 +106,39 @@ class RunPanel(QObject):
             self._runs.dismiss(run)
 
 
+class OpeningRow:
+    """A row of the list while a dataset is opened.
+
+    Parameters
+    ----------
+    cancel : callable
+        Called by the row's button.
+    """
+
+    def __init__(self, shown: RunList, cancel: Callable[[], None]) -> None:
+        self._list, self._cancel = shown, cancel
+        self._row: RunRow | None = None
+
+    def show(self, name: str, percent: float) -> None:
+        """Show the progress of opening a dataset; an empty name removes the row."""
+        if not name:
+            if self._row is not None:
+                self._list.remove(self._row)
+                self._row = None
+            return
+        if self._row is None:
+            self._row = RunRow(name)
+            self._row.asked.connect(lambda _action: self._cancel())
+            self._row.show_actions({RunRow.CANCEL})
+            tip = tr("Stop opening this dataset")
+            self._row.buttons[RunRow.CANCEL].setToolTip(tip)
+            self._row.buttons[RunRow.CANCEL].setAccessibleName(f"{tip} ({name})")
+            self._list.add(self._row)
+        # The share is known of the mosaics; before, the bar moves.
+        self._row.bar.setMaximum(100 if percent else 0)
+        self._row.show_progress(percent, tr("Opening; making the mosaic…") if percent else tr("Opening…"))
+
+
 class RunList(QWidget):
     """List of runs, with a button that removes ended runs if there are several runs; hidden while empty.
 

@@ -6,48 +6,50 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from qgis.core import QgsLayerTreeNode, QgsMapLayer, QgsProject
-from qgis.gui import QgisInterface
+from qgis.gui import QgisInterface, QgsDockWidget, QgsMapCanvasItem, QgsRubberBand
 from qgis.PyQt import sip
 from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, Qt, QTimer, pyqtSignal
 from qgis.PyQt.QtGui import QKeyEvent
-from qgis.PyQt.QtWidgets import QComboBox, QDialog, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from qgis.PyQt.QtWidgets import QComboBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from ..compat import RASTER
+from ..compat import RASTER, VECTOR
 from ..i18n import tr
 from ..map.mission_group import mission_layers
 from ..tasks import single_shot
-from ..widgets import combo, growing_form, push_button, spin, wrapped_label
+from ..widgets import ElidedLabel, add_docked, combo, named, push_button, remove_menu_mnemonics, spin
 
 
 class Compare(QObject):
-    """The window for comparing, and the visibility of layers while it is open."""
+    """The bar for comparing, and the visibility of layers while it is open."""
 
     def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
         super().__init__()
         self._project, self._iface, self._canvas = project, iface, iface.mapCanvas()
-        self.dialog: CompareDialog | None = None
+        self.bar: CompareBar | None = None
         #: Index of the image shown: 0 or 1.
         self.shown = 0
         self._layers: dict[str, bool] = {}
         self._groups: list[tuple[QgsLayerTreeNode, bool]] = []
+        self._marks: list[QgsMapCanvasItem] = []
         self._timer = QTimer(self)
         self._timer.timeout.connect(self.switch)
         # Wait: QGIS emits signals about layers before it inserts them into the layer tree.
         self._soon = single_shot(self._offer, self)
 
     def open(self) -> None:
-        """Show the window, with the first two images."""
-        if self.dialog is None:
+        """Show the bar, with the first two images."""
+        if self.bar is None:
             self._begin()
-        self.dialog.show()
-        self.dialog.raise_()
-        self.dialog.activateWindow()
+            remove_menu_mnemonics(self.bar, self._iface.mainWindow().menuBar())
+            add_docked(self.bar, self._iface, area=Qt.DockWidgetArea.BottomDockWidgetArea)
+        self.bar.setUserVisible(True)
+        self.bar.switch.setFocus()
 
     def close(self) -> None:
-        """Restore the map, and hide the window."""
-        if self.dialog is None:
+        """Restore the map, and remove the bar."""
+        if self.bar is None:
             return
-        dialog, self.dialog = self.dialog, None
+        bar, self.bar = self.bar, None
         self._timer.stop()
         self._soon.stop()
         for item in (self._canvas, self._canvas.viewport()):
@@ -56,9 +58,9 @@ class Compare(QObject):
             signal.disconnect(self._look_soon)
         self._project.cleared.disconnect(self._forget)
         self._restore()
-        dialog.finished.disconnect(self.close)
-        dialog.close()
-        dialog.deleteLater()
+        bar.closed.disconnect(self.close)
+        self._iface.removeDockWidget(bar)
+        bar.deleteLater()
 
     def switch(self) -> None:
         """Show the other image."""
@@ -83,13 +85,13 @@ class Compare(QObject):
     # --- layers
 
     def _begin(self) -> None:
-        self.dialog = dialog = CompareDialog(self._iface.mainWindow())
+        self.bar = bar = CompareBar()
         self.shown = 0
-        dialog.finished.connect(self.close)
-        dialog.pair_chosen.connect(self._show)
-        dialog.flicker.toggled.connect(self._flicker)
-        dialog.pause.valueChanged.connect(lambda _seconds: self._flicker(dialog.flicker.isChecked()))
-        dialog.switch_wanted.connect(self.switch)
+        bar.closed.connect(self.close)
+        bar.pair_chosen.connect(self._show)
+        bar.flicker.toggled.connect(self._flicker)
+        bar.pause.valueChanged.connect(lambda _seconds: self._flicker(bar.flicker.isChecked()))
+        bar.switch_wanted.connect(self.switch)
         for item in (self._canvas, self._canvas.viewport()):
             item.installEventFilter(self)
         for signal in (self._project.layersAdded, self._project.layersRemoved):
@@ -108,13 +110,15 @@ class Compare(QObject):
 
     def _offer(self) -> None:
         """Offer the images on the map, and keep the selected ones if they still exist."""
-        if self.dialog is None:
+        if self.bar is None:
             return
         there = mission_layers(self._project, RASTER)
-        self.dialog.offer([(layer.id(), f"{title}: {layer.name()}") for title, layer in there])
+        self.bar.offer([(layer.id(), f"{title}: {layer.name()}") for title, layer in there])
         with self._unnoticed():
-            self._remember([layer for _, layer in there])
-        self._flicker(self.dialog.flicker.isChecked())
+            # Footprints, too, whose frames and fills would cover the images.
+            frames = mission_layers(self._project, VECTOR)
+            self._remember([layer for _, layer in (*there, *frames)])
+        self._flicker(self.bar.flicker.isChecked())
         self._show()
 
     def _remember(self, layers: list[QgsMapLayer]) -> None:
@@ -137,15 +141,15 @@ class Compare(QObject):
     def _flicker(self, on: bool) -> None:
         """Switch repeatedly, or stop."""
         self._timer.stop()
-        if on and self.dialog is not None and self.dialog.pair() is not None:
-            self._timer.start(round(1000.0 * self.dialog.pause.value()))
+        if on and self.bar is not None and self.bar.pair() is not None:
+            self._timer.start(round(1000.0 * self.bar.pause.value()))
 
     def _show(self) -> None:
-        """Show one of the two images, and hide the other images of missions."""
-        if self.dialog is None:
+        """Show one of the two images, and hide the other layers of missions, and outlines on the map."""
+        if self.bar is None:
             return
-        pair = self.dialog.pair()
-        self.dialog.show_which(self.shown if pair is not None else None)
+        pair = self.bar.pair()
+        self.bar.show_which(self.shown if pair is not None else None)
         root = self._project.layerTreeRoot()
         with self._unnoticed():
             if pair is None:
@@ -160,6 +164,16 @@ class Compare(QObject):
                 while group is not None and group is not root:
                     group.setItemVisibilityChecked(True)
                     group = group.parent()
+            # After the layers: while the preview is hidden, the area is outlined.
+            self._hide_marks()
+
+    def _hide_marks(self) -> None:
+        """Hide what is drawn over the map: rubber bands, and items of this plugin."""
+        for item in self._canvas.scene().items():
+            ours = type(item).__module__.startswith(__name__.partition(".")[0])
+            if item.isVisible() and (ours or isinstance(item, QgsRubberBand)):
+                item.hide()
+                self._marks.append(item)
 
     def _restore(self) -> None:
         with self._unnoticed():
@@ -176,6 +190,10 @@ class Compare(QObject):
         for group, seen in self._groups:
             if not sip.isdeleted(group):
                 group.setItemVisibilityChecked(seen)
+        for item in self._marks:
+            if not sip.isdeleted(item) and item.scene() is not None:
+                item.show()
+        self._marks.clear()
 
     @contextmanager
     def _unnoticed(self) -> Iterator[None]:
@@ -186,7 +204,7 @@ class Compare(QObject):
             self._project.setDirty(False)
 
 
-class CompareDialog(QDialog):
+class CompareBar(QgsDockWidget):
     """Choose two images, and how to switch between them.
 
     Signals
@@ -197,10 +215,9 @@ class CompareDialog(QDialog):
     pair_chosen = pyqtSignal()
     switch_wanted = pyqtSignal()
 
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent, Qt.WindowType.Tool)
+    def __init__(self) -> None:
+        super().__init__(tr("Compare images (TerrAInav)"))
         self.setObjectName("terrainav_compare")
-        self.setWindowTitle(tr("TerrAInav: compare images"))
         tip = tr("An image layer of a mission or dataset on the map")
         self.boxes: tuple[QComboBox, QComboBox] = (
             combo("compare_first", [], tip),
@@ -208,7 +225,7 @@ class CompareDialog(QDialog):
         )
         for box in self.boxes:
             box.currentIndexChanged.connect(lambda _index: self._chosen())
-        self.state = wrapped_label("compare_state")
+        self.state = named(ElidedLabel(Qt.TextElideMode.ElideMiddle, 10), "compare_state")
         self.switch = push_button("compare_switch", tr("S&witch"), tr("Show the other image (space bar)"))
         self.switch.clicked.connect(lambda _checked: self.switch_wanted.emit())
         self.flicker = push_button("compare_flicker", tr("&Flicker"), tr("Switch again and again"))
@@ -217,8 +234,7 @@ class CompareDialog(QDialog):
         self.pause.setValue(1.0)
         self.closing = push_button("compare_close", tr("&Close"), tr("Show the map as it was before"))
         self.closing.clicked.connect(lambda _checked: self.close())
-        self._lay_out()
-        self.switch.setFocus()
+        self.setWidget(self._contents())
 
     def offer(self, layers: list[tuple[str, str]]) -> None:
         """Offer layers, pairs (id, title); keep the selected ones if they are still offered."""
@@ -244,13 +260,13 @@ class CompareDialog(QDialog):
     def show_which(self, shown: int | None) -> None:
         """Show the name of the image on the map."""
         if shown is None:
-            self.state.setText(
+            self.state.say(
                 tr("Both are the same image.")
                 if self.boxes[0].count() > 1
                 else tr("There are no two images on the map: open two datasets by “Missions”.")
             )
         else:
-            self.state.setText(tr("Shown: {image}").format(image=self.boxes[shown].currentText()))
+            self.state.say(tr("Shown: {image}").format(image=self.boxes[shown].currentText()))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Switch the images by the space bar, unless an entry has taken the key."""
@@ -268,21 +284,25 @@ class CompareDialog(QDialog):
         for widget in (self.switch, self.flicker):
             widget.setEnabled(has_pair)
 
-    def _lay_out(self) -> None:
-        form = growing_form()
+    def _contents(self) -> QWidget:
+        images = QHBoxLayout()
         for title, widget in ((tr("F&irst image"), self.boxes[0]), (tr("Seco&nd image"), self.boxes[1])):
             label = QLabel(title)
             label.setBuddy(widget)
-            form.addRow(label, widget)
+            images.addWidget(label)
+            images.addWidget(widget, 1)
         every = QLabel(tr("&every"))
         every.setBuddy(self.pause)
         buttons = QHBoxLayout()
         for widget in (self.switch, self.flicker, every, self.pause):
             buttons.addWidget(widget)
-        buttons.addStretch(1)
+        buttons.addWidget(self.state, 1)
         buttons.addWidget(self.closing)
-        layout = QVBoxLayout(self)
-        layout.addLayout(form)
-        layout.addWidget(self.state)
+        contents = QWidget()
+        layout = QVBoxLayout(contents)
+        layout.setContentsMargins(6, 2, 6, 2)
+        layout.addLayout(images)
         layout.addLayout(buttons)
-        self.setMinimumWidth(420)
+        # The map keeps all other room.
+        contents.setMaximumHeight(2 * contents.sizeHint().height())
+        return contents

@@ -72,7 +72,7 @@ class Viewer(QgsDockWidget):
     on_map_wanted = pyqtSignal(bool)
 
     def __init__(self) -> None:
-        super().__init__(tr("TerrAInav images"))
+        super().__init__(tr("Images (TerrAInav)"))
         self.setObjectName("terrainav_viewer")
         self.view = PictureView("picture")
         self.depth = DepthPane(self.view)
@@ -191,18 +191,23 @@ class Viewer(QgsDockWidget):
     def _contents(self) -> QWidget:
         both = QSplitter(Qt.Orientation.Vertical)
         both.addWidget(self._pictures())
-        both.addWidget(scrolled(self.details))
+        facts = scrolled(self.details)
+        # A few lines at least, in a window of any height.
+        facts.setMinimumHeight(3 * self.fontMetrics().lineSpacing())
+        both.addWidget(facts)
         for index, share in enumerate((1, 1)):
             both.setStretchFactor(index, share)
         # Initial sizes of the picture and the details, whose ratio is kept as the window grows.
         both.setSizes([300, 220])
         both.setCollapsible(0, False)
+        choices = QHBoxLayout()
+        choices.addWidget(self.under_click, 1)
+        choices.addWidget(self.map_type)
         steps = QHBoxLayout()
         steps.addWidget(self.previous)
         steps.addWidget(self.place, 1)
         steps.addWidget(self.following)
         more = QHBoxLayout()
-        more.addWidget(self.map_type, 1)
         more.addStretch(1)
         more.addWidget(self.on_map)
         more.addWidget(self.zoom)
@@ -210,7 +215,7 @@ class Viewer(QgsDockWidget):
         contents = QWidget()
         layout = QVBoxLayout(contents)
         layout.setContentsMargins(4, 4, 4, 4)
-        layout.addWidget(self.under_click)
+        layout.addLayout(choices)
         layout.addWidget(both, 1)
         layout.addLayout(steps)
         layout.addLayout(more)
@@ -275,7 +280,7 @@ class PictureView(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Room for a small image."""
-        return QSize(160, 120)
+        return QSize(80, 60)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
         """Paint."""

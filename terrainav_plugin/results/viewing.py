@@ -29,7 +29,7 @@ from ..messages import Messages
 from ..paths import open_in_system
 from ..remote.trust import elevation_names, unagreed_places
 from ..tasks import LatestWorker, failure_reason
-from ..widgets import add_docked
+from ..widgets import add_docked, remove_menu_mnemonics
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
@@ -187,14 +187,18 @@ class Viewing(QObject):
 
     def _find_layer(self, seen: ViewedImage) -> QgsMapLayer | None:
         """Layer of an image laid on the map, if any."""
-        return self._mission_group(seen).layer(_layer_role(seen))
+        group, role = self._mission_group(seen), _layer_role(seen)
+        # In a project of an earlier version, it is in the group.
+        return group.on_top(role) or group.layer(role)
 
     def _show_on_map(self, on: bool) -> None:
         seen = self.seen
         if seen is None:
             return
         if not on:
-            self._mission_group(seen).remove(_layer_role(seen))
+            layer = self._find_layer(seen)
+            if layer is not None:
+                self._project.removeMapLayer(layer.id())
             self._canvas.refresh()
             return
         folder, map_type, file = seen.shot.footprints.folder, seen.map_type, seen.picture.path.name
@@ -217,8 +221,8 @@ class Viewing(QObject):
         if group.find() is None:
             return
         try:
-            if group.layer(_layer_role(seen)) is None:
-                group.add(open_raster(path, seen.shot.name), _layer_role(seen), 0).setExpanded(False)
+            if self._find_layer(seen) is None:
+                group.add_on_top(open_raster(path, seen.shot.name), _layer_role(seen)).setExpanded(False)
         except TerrAInavError as wrong:
             self._show_lay_error(wrong)
             return
@@ -260,7 +264,7 @@ class Viewing(QObject):
             viewer.on_map_wanted.connect(self._show_on_map)
             viewer.visibilityChanged.connect(self._visibility_changed)
             viewer.closed.connect(self.tool.stop)
-            # As a tab next to the mission panel.
+            remove_menu_mnemonics(viewer, self._iface.mainWindow().menuBar())
             add_docked(viewer, self._iface, "terrainav_dock")
         self.viewer.setUserVisible(True)
         return self.viewer

@@ -156,20 +156,15 @@ def test_examples_are_the_images_next_to_the_threshold(captured):
 # --- the window
 
 
-def test_panels_beside_the_map_keep_their_width(desk, dataset):
-    from terrainav.terrainav_plugin.dataset_window.datasets import Datasets
-
-    # One of its own, whose window has not been opened before.
-    datasets = Datasets(desk.iface, desk.session.messages, list)
+def test_it_is_a_tab_of_the_panel_and_leaves_the_map_its_room(desk, dataset, opened):
     layers = desk.iface.mainWindow().findChild(QDockWidget, "Layers")
     before = layers.width(), desk.canvas.width()
-    try:
-        datasets.open(dataset)
-        desk.wait(lambda: not datasets.busy)
-        assert datasets.window.isFloating()
-        assert (layers.width(), desk.canvas.width()) == before
-    finally:
-        datasets.close()
+    opened(dataset)
+    window = desk.session.datasets.window
+    assert not window.isFloating()
+    assert window in desk.iface.mainWindow().tabifiedDockWidgets(desk.dock)
+    desk.wait(window.isUserVisible)
+    assert (layers.width(), desk.canvas.width()) == before
 
 
 def test_threshold_is_dragged_typed_and_moved_by_keys(desk, dataset, opened, screenshot):
@@ -385,10 +380,11 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(des
     desk.session.missions.open_dataset(dataset)
     desk.wait(lambda: not desk.session.missions.busy)
     desk.canvas.waitWhileRendering()
-    before = len(items_on_map(desk))
     panel, cleaning = opened(dataset), desk.session.datasets.cleaning
     type_bits(desk, panel, str(middle_bits(panel)))
     desk.wait(lambda: not desk.session.datasets.busy)
+    # The crosses are one item.
+    before = len(items_on_map(desk)) - 1
     assert cleaning.marks.drawn == panel.entropies.rejected(panel.threshold.value()) > 5
     screenshot("entropy-panel")
 
@@ -416,7 +412,7 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(des
     QTest.mouseClick(panel.on_map, LEFT)
     desk.wait(lambda: not desk.session.datasets.busy and len(items_on_map(desk)) == before + 1)
     desk.session.datasets.window.hide()
-    desk.wait(lambda: len(items_on_map(desk)) == before)
+    desk.wait(lambda: cleaning.marks.item is None)
 
 
 def test_crosses_follow_outlines_of_any_shape_and_projection():
@@ -590,15 +586,16 @@ def test_everything_is_reached_by_tab(desk, dataset, opened):
     first = desk.session.datasets.window.folder.lineEdit()
     first.setFocus()
     order = [first]
-    while len(order) == 1 or order[-1] is not first:
+    # To its end, where the keyboard goes on to the rest of QGIS's window.
+    while desk.session.datasets.window.isAncestorOf(order[-1]):
         QTest.keyClick(order[-1], Qt.Key.Key_Tab)
         order.append(panel.window().focusWidget())
         assert len(order) < 40
     lines = (
-        [first, panel.map_type, panel.tabs.tabBar(), panel.tabs.currentWidget()],
-        [panel.threshold, panel.suggest, panel.on_map],
+        [first, panel.map_type, panel.on_map, panel.tabs.tabBar(), panel.tabs.currentWidget()],
+        [panel.threshold, panel.suggest, panel.save],
         [*panel.strip.below[::-1], *panel.strip.above],
-        [panel.save, *(panel.buttons[action] for action in ("undo", "mark", "move"))],
+        [*(panel.buttons[action] for action in ("undo", "mark", "move"))],
     )
     expected = [widget for line in lines for widget in line]
     assert [widget for widget in order[:-1] if widget in expected] == expected
@@ -630,14 +627,13 @@ def test_reading_that_takes_long_shows_how_far_it_is(desk, captured, tmp_path, c
     cleaning.open(captured)
     desk.wait(lambda: not desk.session.datasets.busy)
     shown = []
-    cleaning.cleaning.panel.bar.valueChanged.connect(
-        lambda percent: shown.append((percent, cleaning.cleaning.panel.bar.isVisible()))
-    )
+    bar = cleaning.window.bar
+    bar.valueChanged.connect(lambda percent: shown.append((percent, bar.isVisible())))
     cleaning.open(tmp_path / "Memphis")
     desk.wait(lambda: not desk.session.datasets.busy)
     assert shown
     assert all(visible for _, visible in shown)
-    assert not cleaning.cleaning.panel.bar.isVisible()
+    assert not bar.isVisible()
     assert len(cleaning.cleaning.panel.entropies) == 6
 
 

@@ -6,8 +6,10 @@ import shutil
 
 import pytest
 from qgis.core import QgsProject
+from qgis.gui import QgsRubberBand
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtTest import QTest
+from terrainav.terrainav_plugin.form.state import FormState
 
 from tests.plugin.test_project import choose_in_menu
 
@@ -117,33 +119,33 @@ def test_datasets_of_one_flight_are_gathered_and_others_are_not(desk, tmp_path):
 def test_flicker_shows_one_and_then_the_other(desk, both, compare, screenshot):
     before = state()
     choose_in_menu(desk, "Compare images…")
-    dialog = compare.dialog
-    assert dialog.isVisible()
+    bar = compare.bar
+    assert bar.isVisible()
     assert seen() == [True, False]
     desk.wait(lambda: on_canvas(desk.canvas) == [True, False])
-    assert dialog.state.text() == "Shown: TerrAInav: first: Satellite images"
-    desk.click(dialog.switch)
+    assert bar.state.text() == "Shown: TerrAInav: first: Satellite images"
+    desk.click(bar.switch)
     assert seen() == [False, True]
-    assert dialog.state.text() == "Shown: TerrAInav: second: Satellite images"
+    assert bar.state.text() == "Shown: TerrAInav: second: Satellite images"
     desk.wait(lambda: on_canvas(desk.canvas) == [False, True])
     desk.canvas.waitWhileRendering()
     screenshot("compare")
-    dialog.pause.setValue(0.2)
-    desk.click(dialog.flicker)
+    bar.pause.setValue(0.2)
+    desk.click(bar.flicker)
     for wanted in ([True, False], [False, True], [True, False]):
         desk.wait(lambda wanted=wanted: seen() == wanted)
-    desk.click(dialog.flicker)
+    desk.click(bar.flicker)
     held = seen()
     QTest.qWait(300)
     assert seen() == held
-    desk.click(dialog.closing)
-    assert compare.dialog is None
+    desk.click(bar.closing)
+    assert compare.bar is None
     assert state() == before
 
 
 def test_space_switches_over_the_map_and_in_the_window(desk, both, compare):
     compare.open()
-    for widget in (desk.canvas, compare.dialog):
+    for widget in (desk.canvas, compare.bar):
         widget.setFocus()
         before = seen()
         QTest.keyClick(widget, Qt.Key.Key_Space)
@@ -175,13 +177,13 @@ def test_what_was_hidden_is_hidden_again_and_the_project_is_as_saved(desk, both,
 def test_a_layer_that_goes_ends_the_flicker_and_leaves_the_rest_as_it_was(desk, both, compare):
     project = QgsProject.instance()
     compare.open()
-    desk.click(compare.dialog.flicker)
+    desk.click(compare.bar.flicker)
     first, second = mosaic_nodes()
     kept = second.layerId()
     project.removeMapLayer(first.layerId())
-    desk.wait(lambda: not compare.dialog.flicker.isEnabled())
+    desk.wait(lambda: not compare.bar.flicker.isEnabled())
     assert not compare._timer.isActive()
-    assert "no two images" in compare.dialog.state.text()
+    assert "no two images" in compare.bar.state.text()
     assert project.layerTreeRoot().findLayer(kept).itemVisibilityChecked()
     compare.close()
     assert project.layerTreeRoot().findLayer(kept).itemVisibilityChecked()
@@ -189,19 +191,57 @@ def test_a_layer_that_goes_ends_the_flicker_and_leaves_the_rest_as_it_was(desk, 
 
 def test_a_new_project_closes_it(desk, both, compare, iface):
     compare.open()
-    desk.click(compare.dialog.flicker)
+    desk.click(compare.bar.flicker)
     iface.newProject(False)
-    desk.wait(lambda: compare.dialog is None)
+    desk.wait(lambda: compare.bar is None)
     assert not compare._timer.isActive()
     # And it can be opened again, and says what is missing.
     compare.open()
-    assert "no two images" in compare.dialog.state.text()
-    assert not compare.dialog.switch.isEnabled()
+    assert "no two images" in compare.bar.state.text()
+    assert not compare.bar.switch.isEnabled()
+
+
+def test_frames_and_fills_are_hidden_meanwhile(desk, both, compare):
+    """Of captured and of planned images, and what is drawn over the map; all come back as they were."""
+
+    def drawn():
+        return {layer.name() for layer in desk.canvas.layers()}
+
+    def bands():
+        shown = (item for item in desk.canvas.scene().items() if isinstance(item, QgsRubberBand) and item.isVisible())
+        return sum(1 for _ in shown)
+
+    desk.form.set_state(FormState(folder=str(desk.folder)))
+    desk.enter_small_mission()
+    desk.session.set_preview(True)
+    desk.wait_previewed()
+    desk.session.viewing.start()
+    desk.wait(lambda: desk.session.viewing.seen is not None and not desk.session.viewing.busy)
+    frames = {"Captured images", "Planned images"}
+    desk.wait(lambda: frames <= drawn())
+    before, bands_before = state(), bands()
+    assert bands_before
+    compare.open()
+    desk.wait(lambda: drawn() == {"Satellite images"})
+    assert bands() == 0
+    for _ in range(2):
+        compare.switch()
+        assert bands() == 0
+    assert desk.canvas.isVisible()
+    bar = compare.bar
+    assert not bar.isFloating()
+    assert not bar.geometry().intersects(desk.iface.mainWindow().centralWidget().geometry())
+    compare.close()
+    desk.wait(lambda: frames <= drawn())
+    assert state() == before
+    assert bands() == bands_before
+    desk.session.viewing.stop()
+    desk.session.viewing.viewer.hide()
 
 
 def test_the_window_of_a_dataset_leads_to_it(desk, both, compare):
     desk.session.datasets.open(both / "first", "clean")
     desk.wait(lambda: not desk.session.datasets.busy)
     desk.click(desk.session.datasets.window.compare)
-    assert compare.dialog.isVisible()
+    assert compare.bar.isVisible()
     desk.session.datasets.window.hide()

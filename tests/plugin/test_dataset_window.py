@@ -343,6 +343,8 @@ def test_large_type_fits_in_700_px(desk, window, dataset, screenshot):
     # QGIS sets its size of type by a style sheet, too.
     points = desk.iface.mainWindow().font().pointSizeF()
     go_to(desk, window, dataset, "clean")
+    # By itself, as wide as a user likes.
+    window.window.setFloating(True)
     window.window.setStyleSheet(f"QWidget {{ font-size: {2.0 * points}pt; }}")
     try:
         for name in ("clean", "split", "benchmark", "export", "labels"):
@@ -355,6 +357,7 @@ def test_large_type_fits_in_700_px(desk, window, dataset, screenshot):
             assert shown.widget().minimumSizeHint().width() <= shown.viewport().width(), name
     finally:
         window.window.setStyleSheet("")
+        window.window.setFloating(False)
 
 
 def test_depth_is_seen_by_colour_blind_people():

@@ -227,10 +227,30 @@ def test_the_dialog_names_programs_and_begins_with_the_last_ending(desk, tmp_pat
     assert (second, chosen_then) == (first.replace(".kml", ".plan"), "QGroundControl survey (*.survey.plan)")
 
 
+def test_export_is_off_without_a_plan_and_says_why(desk):
+    missions, button = desk.session.missions, desk.dock.export_plan
+
+    def entry():
+        missions.menu.aboutToShow.emit()
+        return next(one for one in missions.menu.actions() if one.text() == "&Export plan…")
+
+    desk.wait(lambda: not button.isEnabled())
+    assert "No area yet" in button.toolTip()
+    assert not entry().isEnabled()
+    assert "No area yet" in entry().toolTip()
+    desk.enter_small_mission()
+    desk.wait_planned()
+    assert button.isEnabled()
+    assert entry().isEnabled()
+    desk.type_text(desk.form.agl.lineEdit(), "-5")
+    desk.wait(lambda: not button.isEnabled())
+    assert desk.form.marks.first_message() in button.toolTip()
+    desk.type_text(desk.form.agl.lineEdit(), "100")
+    desk.wait(button.isEnabled)
+    assert "for drones" in button.toolTip()
+
+
 def test_what_cannot_be_exported_is_one_line(desk, tmp_path, choose_file):
-    choose_file(tmp_path / "survey.kml")
-    export(desk)
-    assert any(text.endswith("Nothing to export yet.") for text in desk.messages())
     desk.enter_small_mission()
     desk.wait_planned()
     choose_file(tmp_path / "nowhere" / "survey.kml")

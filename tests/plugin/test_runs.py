@@ -9,6 +9,7 @@ import pytest
 from qgis.core import QgsApplication, QgsProject, QgsTask
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QPushButton
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.capture.run import Stage, row_text
@@ -124,6 +125,8 @@ def test_paused_run_asks_for_nothing_and_its_time_stands_still(prepared, server)
     prepared.wait(lambda: run.progress is not None and run.progress.done >= 12)
     assert "a second" in row_of(prepared, run).text.text()
     press(prepared, run, "pause")
+    counts = row_of(prepared, run).text.text()
+    bar = row_of(prepared, run).bar.value()
     prepared.wait(lambda: run.progress.paused)
     # What was under way may end, and has its turn on a busy machine, too.
     asked, made, shown = prepared.wait_steady(
@@ -135,7 +138,10 @@ def test_paused_run_asks_for_nothing_and_its_time_stands_still(prepared, server)
     assert len(pictures(run.folder)) == made
     assert run.progress.active_s == pytest.approx(active_s)
     assert task.progress() == shown > 0.0
-    assert row_of(prepared, run).text.text().startswith("Paused: ")
+    # Nor do the figures count what was under way.
+    assert row_of(prepared, run).text.text() == counts
+    assert counts.startswith("Paused: ")
+    assert row_of(prepared, run).bar.value() == bar
     press(prepared, run, "resume")
     server.latency_s = 0.0
     prepared.wait_for_run()
@@ -241,7 +247,12 @@ def test_run_goes_on_when_its_project_is_closed(prepared, server):
     assert len(pictures(run.folder)) == run.images
     # Another project is none of its business.
     assert QgsProject.instance().mapLayers() == {}
-    assert any("Its project is closed" in text for text in prepared.messages())
+    (item,) = (one for one in prepared.iface.messageBar().items() if "Its project is closed" in one.text())
+    # Its button opens the dataset.
+    (button,) = (one for one in item.findChildren(QPushButton) if one.text() == "Open dataset")
+    prepared.click(button)
+    prepared.wait(lambda: not prepared.session.missions.busy)
+    assert "Captured images" in prepared.layer_names()
 
 
 def test_buttons_are_reached_by_keyboard(prepared, server):

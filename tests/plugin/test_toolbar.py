@@ -24,6 +24,8 @@ def test_toolbar_and_menu_hold_all_actions(plugin, iface):
     toolbar = iface.mainWindow().findChild(QToolBar, "terrainav_toolbar")
     assert [action.objectName() for action in toolbar.actions()] == [f"terrainav_{name}" for name in BUTTONS]
     (menu,) = (action.menu() for action in iface.rasterMenu().actions() if action.text() == "&TerrAInav")
+    (in_plugins,) = (action.menu() for action in iface.pluginMenu().actions() if action.text() == "&TerrAInav")
+    assert in_plugins is menu
     entries = [action.objectName() for action in menu.actions() if not action.isSeparator()]
     assert set(entries) == {action.objectName() for action in plugin.actions.values()}
     assert {f"terrainav_{name}" for name in (*BUTTONS, "score_benchmark", "settings", "help")} <= set(entries)

@@ -330,9 +330,17 @@ def test_an_image_is_shown_on_the_map_and_removed_again(desk, captured, viewing,
     seen = look_at(desk, plan, index)
     viewer = viewing.viewer
     name = seen.shot.name
+
+    def on_map():
+        return [layer for layer in QgsProject.instance().mapLayers().values() if layer.name() == name]
+
     desk.click(viewer.on_map)
-    desk.wait(lambda: not viewing.busy and name in desk.layer_names())
-    layer = desk.layer(name)
+    desk.wait(lambda: not viewing.busy and len(on_map()) == 1)
+    (layer,) = on_map()
+    # Above all groups, and seen.
+    top = QgsProject.instance().layerTreeRoot().children()[0]
+    assert top.layerId() == layer.id()
+    assert top.isVisible()
     assert layer.isValid()
     assert layer.crs().authid() == "EPSG:3857"
     assert viewer.on_map.isChecked()
@@ -357,9 +365,9 @@ def test_an_image_is_shown_on_the_map_and_removed_again(desk, captured, viewing,
     desk.wait(lambda: not viewing.busy and viewing.seen.shot.name == name)
     assert viewer.on_map.isChecked()
     desk.click(viewer.on_map)
-    desk.wait(lambda: name not in desk.layer_names())
+    desk.wait(lambda: not on_map())
     # A layer that is taken off the map by hand counts as removed.
     desk.click(viewer.on_map)
-    desk.wait(lambda: not viewing.busy and name in desk.layer_names())
-    QgsProject.instance().removeMapLayer(desk.layer(name).id())
+    desk.wait(lambda: not viewing.busy and len(on_map()) == 1)
+    QgsProject.instance().removeMapLayer(on_map()[0].id())
     assert not viewer.on_map.isChecked()
