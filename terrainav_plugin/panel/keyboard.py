@@ -178,6 +178,7 @@ class Letters(QObject):
                 if page.isAncestorOf(section):
                     self._assign([*always, *on_one, *own])
         self._pressed: Callable[[], None] | None = None
+        pages.tabBar().installEventFilter(self)
 
     def _assign(self, targets: Sequence[Target]) -> None:
         """Give targets that are seen together different keys; those that have one keep it."""
@@ -204,10 +205,14 @@ class Letters(QObject):
         return True
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Go where the pressed key leads."""
+        """Go where the pressed key leads; the letter of a tab moves the keyboard there, which Qt does not."""
+        if event.type() == QEvent.Type.Shortcut and isinstance(watched, QTabBar):
+            watched.setFocus(Qt.FocusReason.ShortcutFocusReason)
+            return False
         if event.type() != QEvent.Type.KeyPress or self._pressed is None:
             return super().eventFilter(watched, event)
-        watched.removeEventFilter(self)
+        if not isinstance(watched, QTabBar):
+            watched.removeEventFilter(self)
         act, self._pressed = self._pressed, None
         if not isinstance(event, QKeyEvent) or event.modifiers() != Qt.KeyboardModifier.AltModifier:
             return super().eventFilter(watched, event)

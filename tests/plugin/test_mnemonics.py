@@ -113,6 +113,21 @@ def test_letters_open_tabs_and_press_buttons(desk, window):
     desk.wait(lambda: any("Nothing to capture yet" in text for text in desk.messages()))
 
 
+def test_the_letter_of_a_tab_brings_the_keyboard_into_the_panel(desk, window, iface):
+    """From elsewhere in the window, so that the letters that menus have, too, lead into the panel next."""
+    keys = {target.text: key for key, target in seen_keys(desk) if target.part is desk.form.pages.tabBar()}
+    desk.form.pages.setCurrentIndex(2)
+    iface.mapCanvas().setFocus()
+    desk.wait(iface.mapCanvas().hasFocus)
+    press_alt(window, keys["Area"])
+    assert desk.form.pages.currentIndex() == 0
+    assert QApplication.focusWidget() is desk.form.pages.tabBar()
+    letters = {target.text.replace("&", ""): key for key, target in seen_keys(desk)}
+    press_alt(window, letters["North"])
+    assert QApplication.focusWidget() is desk.form.edges["north"]
+    assert QApplication.activePopupWidget() is None
+
+
 def test_letters_of_menus_still_open_them(desk, window):
     taken = menu_keys(window.menuBar())
     assert taken
