@@ -5983,8 +5983,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Stopped: what is finished is kept; run it again to go on.</source>
-        <translation>Detenido: lo terminado se conserva; ejecútelo de nuevo para continuar.</translation>
+        <source>Stopped at {done} of {total} images. Enter {folder} as the folder, and run it again to go on.</source>
+        <translation>Detenido en {done} de {total} imágenes. Introduzca {folder} como carpeta y ejecútelo de nuevo para continuar.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -6015,6 +6015,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>uav,drone,capture,images,dataset,tiles,download,georeferenced,photogrammetry,training</source>
         <translation>uav,drone,dron,captura,imágenes,conjunto de datos,dataset,teselas,descarga,georreferenciado,fotogrametría,entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>{count} images into {folder}.</source>
+        <translation>{count} imágenes en {folder}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -11319,11 +11324,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/areas/coords.py"/>
-        <source>could not convert string to float: {0!r}</source>
-        <translation>no es un número: {0!r}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/areas/coords.py"/>
         <location filename="../../core/poses/line.py"/>
         <source>file {0}</source>
         <translation>archivo {0}</translation>
@@ -11357,6 +11357,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/areas/coords.py"/>
         <source>unit of height {0!r}: must be one of {1}</source>
         <translation>unidad de altura {0!r}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>{0!r} is not a number</source>
+        <translation>{0!r} no es un número</translation>
     </message>
     <message>
         <location filename="../../core/mission/areas/coords.py"/>

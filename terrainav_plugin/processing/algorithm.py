@@ -126,6 +126,8 @@ class Algorithm(QgsProcessingAlgorithm):
         self._listed = listed
         #: Choices by parameter name.
         self.choices: dict[str, ChoiceParameter] = {}
+        #: Why the parameters cannot be run with; empty if they can.
+        self._refusal = ""
 
     def createInstance(self) -> QgsProcessingAlgorithm:
         """Create the copy that QGIS runs."""
@@ -211,8 +213,13 @@ class Algorithm(QgsProcessingAlgorithm):
     ) -> bool:
         """Read everything that is only available on the main thread, on which QGIS calls this."""
         hold_crs()
-        _checked(lambda: self._check_texts(parameters))
-        _checked(lambda: self.prepared(AlgorithmRun(self, parameters, context, feedback)))
+        self._refusal = ""
+        try:
+            _checked(lambda: self._check_texts(parameters))
+            _checked(lambda: self.prepared(AlgorithmRun(self, parameters, context, feedback)))
+        except QgsProcessingException as wrong:
+            # A batch of newer QGIS takes a refusal here for a cancellation, and leaves out the rows that follow.
+            self._refusal = str(wrong)
         return True
 
     def processAlgorithm(
@@ -220,6 +227,8 @@ class Algorithm(QgsProcessingAlgorithm):
     ) -> dict[str, Any]:
         """Do the work."""
         try:
+            if self._refusal:
+                raise QgsProcessingException(self._refusal)
             return _checked(lambda: self.processed(AlgorithmRun(self, parameters, context, feedback)))
         finally:
             self.released()

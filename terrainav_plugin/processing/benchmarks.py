@@ -257,7 +257,7 @@ class MakeBenchmark(WithImagery):
                 resume=True,
                 listener=Listener(progress=_progress(worked_out, watch), cancelled=watch.cancelled),
             )
-        tell_result(made.total, watch)
+        tell_result(made.total, watch, folder)
         if made.hint is not None:
             watch.warn(capitalized(translate(made.hint)))
         return made

@@ -104,6 +104,7 @@ class _Capturing(WithImagery):
                 for (name, one), requests in zip(plans.items(), shared_requests([*zip(sources.values(), needed)])):
                     check_terms(one, sources[name], requests, accepted=self._accepted)
                 total = sum(len(one) * len(one.mission.imagery.map_types) for one in plans.values())
+                watch.say(tr("{count} images into {folder}.").format(count=number_text(total), folder=folder))
                 how: Any = {
                     "connections": self._imagery.connections,
                     "listener": Listener(progress=report, cancelled=watch.cancelled),
@@ -113,7 +114,7 @@ class _Capturing(WithImagery):
                     result = capture_imageries(self._mission, plans, sources, folder, **how)
                 else:
                     result = capture(*plans.values(), *sources.values(), folder, **how)
-            tell_result(result, watch)
+            tell_result(result, watch, folder)
             made = [self._mosaics(one, folder / name, result, watch) for name, one in plans.items()]
             return result, [mosaic for some in made for mosaic in some]
 
@@ -260,7 +261,7 @@ def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> No
         context.addLayerToLoadOnCompletion(str(path), details)
 
 
-def tell_result(result: CaptureResult, watch: WorkFeedback) -> None:
+def tell_result(result: CaptureResult, watch: WorkFeedback, folder: Path) -> None:
     """Report the images written and failed, and tiles that were received for many places."""
     watch.say(
         tr("{written} images written, {skipped} already existed, {failed} failed, in {seconds} s.").format(
@@ -293,4 +294,9 @@ def tell_result(result: CaptureResult, watch: WorkFeedback) -> None:
             )
         )
     if result.cancelled:
-        watch.warn(tr("Stopped: what is finished is kept; run it again to go on."))
+        # A run without a folder has a new one each time.
+        watch.warn(
+            tr("Stopped at {done} of {total} images. Enter {folder} as the folder, and run it again to go on.").format(
+                done=number_text(result.written + result.skipped), total=number_text(result.total), folder=folder
+            )
+        )

@@ -522,6 +522,18 @@ def test_bad_input_gives_one_line(parameters, words):
     assert words in refusal("plan", FOOTPRINTS="memory:", **parameters)
 
 
+def test_bad_input_fails_in_the_toolbox_and_is_no_cancellation(qtbot):
+    """A batch of QGIS 3.44 leaves out the rows after one that is cancelled."""
+    feedback = Feedback()
+    algorithm = QgsApplication.processingRegistry().createAlgorithmById("terrainav:plan")
+    context = QgsProcessingContext()
+    parameters = {"COORDS": "35.14_-89.87_north", "FOOTPRINTS": "memory:"}
+    assert not QgsProcessingAlgRunnerTask(algorithm, parameters, context, feedback).isCanceled()
+    done, _, feedback = run_in_background("plan", qtbot, feedback, **parameters)
+    assert not done
+    assert feedback.errors[0].startswith("coordinates '35.14_-89.87_north': 'north' is not a number; expected")
+
+
 #: Three squares, of which two share a side.
 SQUARES = [
     f"Polygon (({w} {s}, {w + 0.003} {s}, {w + 0.003} {s + 0.003}, {w} {s + 0.003}, {w} {s}))"
@@ -694,7 +706,7 @@ def test_results_of_a_capture_are_added_to_the_project_where_that_is_wanted(serv
 @pytest.mark.parametrize("beside", [False, True])
 def test_a_capture_is_cancelled_and_goes_on(server, tmp_path, qtbot, beside):
     server.fail("stall")
-    feedback = QgsProcessingFeedback(False)
+    feedback = Feedback()
     from qgis.PyQt.QtCore import QTimer
 
     QTimer.singleShot(700, feedback.cancel)
@@ -710,6 +722,9 @@ def test_a_capture_is_cancelled_and_goes_on(server, tmp_path, qtbot, beside):
     else:
         result = run("capture", feedback, **parameters)
         assert result["WRITTEN"] < result["TOTAL"]
+        # What is captured is told at the beginning, and where it is.
+        assert feedback.lines[0] == f"{result['TOTAL']} images into {tmp_path / 'out'}."
+        assert f"of {result['TOTAL']} images. Enter {tmp_path / 'out'} as the folder" in feedback.warnings[-1]
     assert time.monotonic() - started < NEVER_S / 4
     server.heal()
     result = run("capture", **parameters)

@@ -31,8 +31,7 @@ def _number(text: str) -> float:
     try:
         return real_number(text)
     except ValueError as wrong:
-        # The message of Python's float().
-        raise InvalidInput("could not convert string to float: {0!r}", text) from wrong
+        raise InvalidInput("{0!r} is not a number", text) from wrong
 
 
 def _scaled(agl: float, unit: str) -> float:

@@ -252,7 +252,10 @@ def _cleaning_stopped(case: Case) -> None:
 # --- algorithms
 
 
-@remedy("processing/capture.py", "Stopped: what is finished is kept; run it again to go on.")
+@remedy(
+    "processing/capture.py",
+    "Stopped at {done} of {total} images. Enter {folder} as the folder, and run it again to go on.",
+)
 def _stopped(case: Case) -> None:
     case.fixture("_provider")
     feedback, folder = Feedback(), case.tmp_path / "out"
