@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Floats, NDArray, Numbers
 from ..geodesy.projections import LocalPlane
+from ..waiting import check_cancelled
 from .flight.legs import legs
 from .flight.path import LANDING, TAKEOFF, FlightPath
 from .plan import Plan
@@ -110,12 +111,15 @@ def height_profile(plan: Plan, most: int = MOST_POINTS) -> HeightProfile:
     ------
     InvalidInput
         The flight is impossible, see `flight.path.flight_path`.
+    Cancelled
+        An enclosing `waiting.cancellable` is cancelled.
     """
     path, relief = plan.path, plan.relief
     has_surface = not relief.is_level and relief.heights.surface is not relief.heights.ground
     found: list[_ProfilePoints] = []
     count = 0
     for points in _blocks(plan, path):
+        check_cancelled()
         found.append(points)
         count += len(points.kind)
         # Thinned points are few beside those of a block.

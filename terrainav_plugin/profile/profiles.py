@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from qgis.core import Qgis, QgsCoordinateReferenceSystem, QgsCsException, QgsGeometry, QgsPointXY, QgsProject
@@ -11,6 +12,7 @@ from qgis.PyQt.QtCore import QObject, Qt
 from qgis.PyQt.QtGui import QColor
 from qgis.PyQt.QtWidgets import QDockWidget
 
+from ...core.waiting import cancellable
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT, to_lon_lat, wrap_longitude
 from ..tasks import LatestWorker, failure_reason
@@ -119,7 +121,7 @@ class Profiles(QObject):
         dock.show_working()
         plan = self._plan
         if plan is not None:
-            self._worker.ask(lambda _overtaken: _profile(plan), self._show)
+            self._worker.ask(partial(_profile, plan), self._show)
 
     def _show(self, profile: HeightProfile) -> None:
         self._is_shown = True
@@ -175,7 +177,9 @@ class Profiles(QObject):
             self._mark = None
 
 
-def _profile(plan: Plan) -> HeightProfile:
+def _profile(plan: Plan, overtaken: Callable[[], bool]) -> HeightProfile:
+    """Height profile of a plan, given up once overtaken. Runs on the worker's thread."""
     from ...core.mission.profile import height_profile
 
-    return height_profile(plan)
+    with cancellable(overtaken):
+        return height_profile(plan)

@@ -8,6 +8,7 @@ import pytest
 
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their relief by GDAL's Python module")
 
+from terrainav.core.errors import Cancelled  # noqa: E402
 from terrainav.core.geodesy.camera import Camera  # noqa: E402
 from terrainav.core.geodesy.mercator import PixelGrid  # noqa: E402
 from terrainav.core.geodesy.projections import LocalPlane  # noqa: E402
@@ -18,6 +19,7 @@ from terrainav.core.mission.plan import plan  # noqa: E402
 from terrainav.core.mission.profile import BETWEEN, height_profile  # noqa: E402
 from terrainav.core.mission.relief import path_ground  # noqa: E402
 from terrainav.core.picture.heights import mission_heights  # noqa: E402
+from terrainav.core.waiting import cancellable  # noqa: E402
 
 from tests.core.mission.flights import ACROSS, ALONE, HERE  # noqa: E402
 from tests.core.mission.flights import worked_out as worked_out_level  # noqa: E402
@@ -228,3 +230,9 @@ def test_long_flights_over_level_ground_are_thinned():
     assert len(made) > 1000
     assert len(found) <= 120 + 12
     assert found.image[-1] == len(made) - 1
+
+
+def test_a_profile_that_is_not_wanted_any_more_is_given_up(dem):
+    made = over_towers(dem)
+    with cancellable(lambda: True), pytest.raises(Cancelled):
+        height_profile(made)
