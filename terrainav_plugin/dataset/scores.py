@@ -1,4 +1,4 @@
-"""Layers of a benchmark in its group: the reference, the queries' footprints, and a method's errors."""
+"""Layers that Processing has loaded, in their groups: of a capture, and a benchmark's reference, queries and errors."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from ..plain import escaped_field
 from .layers import hide_antimeridian
 
 #: Roles of layers in the group, and positions at its top and bottom.
-REFERENCE, QUERIES, ERRORS = "reference", "queries", "errors"
+REFERENCE, QUERIES, ERRORS, MOSAIC = "reference", "queries", "errors", "mosaic"
 _TOP, _BOTTOM = 0, -1
 
 
 def group_post_processor(folder: Path, role: str, known: Collection[str]) -> QgsProcessingLayerPostProcessorInterface:
-    """Style a layer that Processing has loaded, and move it into the group of the benchmark's folder.
+    """Style a layer that Processing has loaded, and move it into the group of the dataset's or benchmark's folder.
 
     Parameters
     ----------
     role : str
-        `REFERENCE`, or `QUERIES` or `ERRORS` with ``/`` and a name.
+        `REFERENCE`, `CAPTURED`, or `QUERIES`, `ERRORS` or `MOSAIC` with ``/`` and a name.
     known : collection of str
         Ids of the project's earlier layers; a layer of the same file is reused instead of a new one.
     """
@@ -66,18 +66,19 @@ class _IntoGroup(QgsProcessingLayerPostProcessorInterface):
             layer.triggerRepaint()
             return
         kind = self._role.partition("/")[0]
-        if kind != REFERENCE:
+        is_raster = kind in (REFERENCE, MOSAIC)
+        if not is_raster:
             (_dress_errors if kind == ERRORS else _dress_footprints)(layer)
         project = context.project()
         loaded = project.layerTreeRoot().findLayer(layer.id())
-        at = _BOTTOM if kind == REFERENCE else _TOP
+        at = _BOTTOM if is_raster else _TOP
         MissionGroup(project, self._folder).add(layer, self._role, at).setExpanded(kind == ERRORS)
         if loaded is not None:
             loaded.parent().removeChildNode(loaded)
 
 
 def _dress_footprints(layer: QgsVectorLayer) -> None:
-    """Style the footprints of queries like captured footprints."""
+    """Style footprints as those of a capture in the panel."""
     layer.loadNamedStyle(style("captured"))
     hide_antimeridian(layer)
     layer.setMapTipTemplate(f"<b>{escaped_field('name')}</b>")

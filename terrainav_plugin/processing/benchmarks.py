@@ -31,7 +31,7 @@ from ...core.storage.files import file_exists
 from ..i18n import capitalized, number_text, tr, translate
 from ..packages import missing_packages
 from .algorithm import Algorithm, AlgorithmRun, AlgorithmTexts, WorkFeedback, is_loadable, off_main_thread
-from .capture import tell_result
+from .capture import layer_ids, tell_result
 from .choices import ChoiceParameter
 from .datasets import add_gap, add_shares, read_shares
 from .imagery import WithImagery, check_terms
@@ -216,7 +216,7 @@ class MakeBenchmark(WithImagery):
         """Take the imagery of queries and reference."""
         settings = self._settings = _read_settings(run)
         self._named = {str(one): one for one in (settings.reference, *settings.imageries)}
-        self._known = _layer_ids(run.context)
+        self._known = layer_ids(run.context)
         self.take_imagery(run, *(settings.queries.select_imagery(one) for one in self._named.values()))
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
@@ -380,7 +380,7 @@ class ScoreBenchmark(Algorithm):
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Note the project's layers."""
-        self._known = _layer_ids(run.context)
+        self._known = layer_ids(run.context)
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Answer the queries and score the answers."""
@@ -546,12 +546,6 @@ def _numbers(figures: tuple[Figure, ...]) -> dict[str, float]:
     values = {figure.name: figure.value for figure in figures}
     found = {output: values[name] for output, name in _FIGURES.items() if name in values}
     return {output: value for output, value in found.items() if value == value}
-
-
-def _layer_ids(context: QgsProcessingContext) -> frozenset[str]:
-    """Ids of the project's layers; empty without a project. Main thread only."""
-    project = context.project()
-    return frozenset(() if project is None else project.mapLayers())
 
 
 def _query_layers(benchmark: Benchmark) -> dict[str, tuple[Path, str, str]]:

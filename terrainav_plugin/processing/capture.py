@@ -82,6 +82,7 @@ class _Capturing(WithImagery):
         self._accepted = run.flag("ACCEPT_TERMS")
         self._with_mosaic = run.flag("MAKE_MOSAIC")
         self._made: list[MosaicRaster] = []
+        self._known = layer_ids(run.context)
 
     def _captured(self, run: AlgorithmRun, folder: Path, **options: bool) -> dict[str, Any]:
         """Capture, make the mosaics, and return the outputs."""
@@ -89,6 +90,8 @@ class _Capturing(WithImagery):
         from ...core.capture.runner import capture
         from ...core.capture.several import capture_imageries
         from ...core.imagery.catalogue import shared_requests
+        from ..dataset.scores import MOSAIC
+        from ..map.mission_group import CAPTURED
 
         def work(watch: WorkFeedback) -> tuple[CaptureResult, list[MosaicRaster]]:
             ended: dict[str, int] = {}
@@ -121,12 +124,12 @@ class _Capturing(WithImagery):
         result, self._made = off_main_thread(work, run.feedback)
         if run.flag("LOAD"):
             for mosaic in self._made:
-                _load_when_done(run.context, mosaic.path, mosaic.title)
+                self._load_when_done(run.context, mosaic.path, mosaic.title, f"{MOSAIC}/{mosaic.path.name}")
             for name in self._names:
                 footprints = folder / name / FOOTPRINTS_FILE
                 if file_exists(footprints) and is_loadable(footprints, run.feedback):
                     title = tr("Captured images, {name}").format(name=name) if name else tr("Captured images")
-                    _load_when_done(run.context, footprints, title)
+                    self._load_when_done(run.context, footprints, title, CAPTURED)
         return {
             "FOLDER": str(folder),
             # Of the first imagery, if there are several.
@@ -138,6 +141,15 @@ class _Capturing(WithImagery):
             "FAILED": len(result.failed),
             "REQUESTS": result.requests,
         }
+
+    def _load_when_done(self, context: QgsProcessingContext, path: Path, title: str, role: str) -> None:
+        """Add a layer to the group of its dataset after the algorithm; does nothing without a project."""
+        from ..dataset.scores import group_post_processor
+
+        if context.project() is not None:
+            details = QgsProcessingContext.LayerDetails(title, context.project(), title)
+            details.setPostProcessor(group_post_processor(path.parent, role, self._known))
+            context.addLayerToLoadOnCompletion(str(path), details)
 
     def finished(self) -> None:
         """Put the new mosaics in place, which the project may show."""
@@ -254,11 +266,10 @@ class CaptureFailed(_Capturing):
         return self._captured(run, self._folder, only_failed=True)
 
 
-def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> None:
-    """Add a layer to the project after the algorithm; does nothing without a project."""
-    if context.project() is not None:
-        details = QgsProcessingContext.LayerDetails(title, context.project(), title)
-        context.addLayerToLoadOnCompletion(str(path), details)
+def layer_ids(context: QgsProcessingContext) -> frozenset[str]:
+    """Ids of the project's layers; empty without a project. Main thread only."""
+    project = context.project()
+    return frozenset(() if project is None else project.mapLayers())
 
 
 def tell_result(result: CaptureResult, watch: WorkFeedback, folder: Path) -> None:

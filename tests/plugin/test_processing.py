@@ -703,6 +703,28 @@ def test_results_of_a_capture_are_added_to_the_project_where_that_is_wanted(serv
     assert wanted == ({"Captured images": results["FOOTPRINTS"], "Satellite images": results["MOSAIC"]} if load else {})
 
 
+def test_layers_of_two_captures_stand_in_two_groups_with_the_outlines_above(server, tmp_path):
+    """As after a batch, whose layers have the same names; a second run into a folder adds nothing."""
+    from processing.gui.Postprocessing import handleAlgorithmResults
+
+    algorithm = QgsApplication.processingRegistry().createAlgorithmById("terrainav:capture")
+    parameters = {"EXTENT": EXTENT, "AGL": 120, "OTHER_SOURCE": server.url_template}
+    root = QgsProject.instance().layerTreeRoot()
+    for name in ("one", "two", "one"):
+        context = QgsProcessingContext()
+        context.setProject(QgsProject.instance())
+        _, done = algorithm.run({**parameters, "FOLDER": str(tmp_path / name)}, context, QgsProcessingFeedback())
+        assert done
+        assert handleAlgorithmResults(algorithm, context, QgsProcessingFeedback())
+    found = {group.name(): [node.layer() for node in group.findLayers()] for group in root.findGroups()}
+    assert set(found) == {"TerrAInav: one", "TerrAInav: two"}
+    for layers in found.values():
+        assert [layer.name() for layer in layers] == ["Captured images", "Satellite images"]
+        # Outlines, through which the mosaic below is seen.
+        assert layers[0].renderer().symbol().symbolLayer(0).brushStyle() == Qt.BrushStyle.NoBrush
+    assert len(QgsProject.instance().mapLayers()) == 4
+
+
 @pytest.mark.parametrize("beside", [False, True])
 def test_a_capture_is_cancelled_and_goes_on(server, tmp_path, qtbot, beside):
     server.fail("stall")
