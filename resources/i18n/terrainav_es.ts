@@ -6825,6 +6825,21 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>&amp;Least clearance</source>
+        <translation>Distancia &amp;libre mínima</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>&amp;Save as table or image…</source>
+        <translation>&amp;Guardar como tabla o imagen…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
+        <source>&amp;Whole flight</source>
+        <translation>&amp;Todo el vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/dock.py"/>
         <source>Clearance {height}</source>
         <translation>Distancia libre {height}</translation>
     </message>
@@ -6887,6 +6902,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../terrainav_plugin/profile/dock.py"/>
         <source>unknown</source>
         <translation>desconocida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/profiles.py"/>
+        <source>Height profile saved as {name}.</source>
+        <translation>Perfil de alturas guardado como {name}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/profiles.py"/>
+        <source>Image (*.png)</source>
+        <translation>Imagen (*.png)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/profiles.py"/>
+        <source>Table (*.csv)</source>
+        <translation>Tabla (*.csv)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/profile/profiles.py"/>
+        <source>TerrAInav: save height profile</source>
+        <translation>TerrAInav: guardar el perfil de alturas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/profile/profiles.py"/>

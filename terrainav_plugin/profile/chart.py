@@ -109,6 +109,12 @@ class ProfileChart(QWidget):
         if self.profile is not None:
             self._see(0.0, self.profile.length_m)
 
+    def show_lowest(self) -> None:
+        """Move the cursor to the least clearance, and choose the place."""
+        if self.profile is not None and self.profile.lowest is not None:
+            self._go(self.profile.lowest)
+            self.chosen.emit(self.at)
+
     def frame(self) -> QRectF:
         """Rectangle of the plot."""
         metrics = self.fontMetrics()

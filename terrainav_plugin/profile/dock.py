@@ -5,9 +5,9 @@ from __future__ import annotations
 import html
 
 from qgis.gui import QgsDockWidget
-from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor
-from qgis.PyQt.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
+from qgis.PyQt.QtWidgets import QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
 from ...core.mission.flight.path import CAPTURE, LANDING, TAKEOFF
 from ...core.mission.profile import HeightProfile
@@ -21,12 +21,19 @@ from .chart import CLEARANCE, ProfileChart
 class ProfileDock(QgsDockWidget):
     """The panel; it only displays, and its chart emits the user's requests.
 
+    Signals
+    -------
+    save_wanted()
+        The user wants to save the profile as a file.
+
     Attributes
     ----------
     line : QLabel
         Legend, with the figures at the cursor, or of the least clearance.
     chart : ProfileChart
     """
+
+    save_wanted = pyqtSignal()
 
     def __init__(self) -> None:
         super().__init__(tr("TerrAInav: height profile"))
@@ -37,6 +44,8 @@ class ProfileDock(QgsDockWidget):
         self.line.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.chart = ProfileChart(self.line)
         self.chart.pointed.connect(lambda _at: self._show_line())
+        self.chart.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        self.chart.customContextMenuRequested.connect(lambda at: self.menu().popup(self.chart.mapToGlobal(at)))
         contents = QWidget()
         layout = QVBoxLayout(contents)
         layout.setContentsMargins(4, 2, 4, 2)
@@ -45,6 +54,21 @@ class ProfileDock(QgsDockWidget):
         layout.addWidget(self.chart, 1)
         self.setWidget(contents)
         self.show_text("")
+
+    def menu(self) -> QMenu:
+        """Menu of the diagram, deleted when it closes."""
+        menu = QMenu(self.chart)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        actions = (
+            (tr("&Least clearance"), self.chart.show_lowest),
+            (tr("&Whole flight"), self.chart.show_whole),
+            (tr("&Save as table or image…"), self.save_wanted.emit),
+        )
+        for text, act in actions:
+            action = menu.addAction(text)
+            action.setEnabled(self.chart.profile is not None)
+            action.triggered.connect(lambda _checked=False, act=act: act())
+        return menu
 
     def show_profile(self, profile: HeightProfile, unit: str) -> None:
         """Show a profile in metres or feet."""

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import Qgis, QgsCoordinateReferenceSystem, QgsCsException, QgsGeometry, QgsPointXY, QgsProject
 from qgis.gui import QgisInterface, QgsVertexMarker
-from qgis.PyQt.QtCore import QObject, Qt
+from qgis.PyQt.QtCore import QBuffer, QObject, Qt
 from qgis.PyQt.QtGui import QColor
-from qgis.PyQt.QtWidgets import QDockWidget
+from qgis.PyQt.QtWidgets import QDockWidget, QFileDialog
 
+from ...core.errors import TerrAInavError
 from ...core.waiting import cancellable
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT, to_lon_lat, wrap_longitude
@@ -62,6 +64,7 @@ class Profiles(QObject):
             self.dock = ProfileDock()
             self.dock.chart.pointed.connect(self._show_mark)
             self.dock.chart.chosen.connect(self._show_place)
+            self.dock.save_wanted.connect(self._ask_file)
             self.dock.visibilityChanged.connect(self._visibility_changed)
             self._add(self.dock)
         self.dock.setUserVisible(True)
@@ -131,6 +134,39 @@ class Profiles(QObject):
     def _refused(self, error: Exception) -> None:
         if self.dock is not None:
             self.dock.show_text(translate(failure_reason(error)))
+
+    # --- files
+
+    def _ask_file(self) -> None:
+        """Let the user choose a file for the profile."""
+        kinds = (tr("Table (*.csv)"), tr("Image (*.png)"))
+        window = self._iface.mainWindow()
+        title = tr("TerrAInav: save height profile")
+        chosen, kind = QFileDialog.getSaveFileName(window, title, "height-profile.csv", ";;".join(kinds))
+        if chosen:
+            path = Path(chosen)
+            self.save(path if path.suffix else path.with_suffix(".png" if kind == kinds[1] else ".csv"))
+
+    def save(self, path: Path) -> None:
+        """Save the shown profile as a table, or as an image if the file's ending is .png."""
+        from ...core.report.heights import profile_table
+        from ...core.storage.files import write_whole
+
+        dock = self.dock
+        if dock is None or dock.chart.profile is None:
+            return
+        if path.suffix.lower() == ".png":
+            buffer = QBuffer()
+            dock.widget().grab().save(buffer, "PNG")
+            data = [bytes(buffer.data())]
+        else:
+            data = [line.encode() for line in profile_table(dock.chart.profile)]
+        try:
+            write_whole(path, data)
+        except TerrAInavError as wrong:
+            self._messages.warning(translate(wrong))
+            return
+        self._messages.success(tr("Height profile saved as {name}.").format(name=path.name))
 
     # --- places on the map
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,9 @@ import pytest
 from qgis.core import QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsPointXY, QgsProject
 from qgis.gui import QgsVertexMarker
 from qgis.PyQt.QtCore import QEvent, QPoint, QPointF, Qt
-from qgis.PyQt.QtGui import QKeySequence, QMouseEvent, QWheelEvent
+from qgis.PyQt.QtGui import QImage, QKeySequence, QMouseEvent, QWheelEvent
 from qgis.PyQt.QtTest import QTest
-from qgis.PyQt.QtWidgets import QApplication
+from qgis.PyQt.QtWidgets import QApplication, QFileDialog
 from terrainav.core.mission.flight.path import CAPTURE
 from terrainav.core.mission.profile import height_profile
 from terrainav.terrainav_plugin.profile.dock import ProfileDock, line_parts
@@ -174,6 +175,28 @@ def test_the_wheel_zooms_and_a_drag_pans_without_a_click(desk, dem, profiles):
     assert chosen == []
     QTest.mouseDClick(chart, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, middle)
     assert chart.seen_m == (0.0, chart.profile.length_m)
+
+
+def test_its_menu_leads_to_the_least_clearance_and_saves(desk, dem, profiles, tmp_path, monkeypatch):
+    chart = fly_over_ridge(desk, profiles, dem)
+    lowest, _whole, save = profiles.dock.menu().actions()
+    lowest.trigger()
+    assert chart.at == chart.profile.lowest
+    middle = middle_of_map(desk)
+    expected = float(chart.profile.lon_deg[chart.at]), float(chart.profile.lat_deg[chart.at])
+    assert (middle.x(), middle.y()) == pytest.approx(expected, abs=1e-9)
+    for name, kind, written in (("a.csv", "", "a.csv"), ("b", "Image (*.png)", "b.png"), ("c", "", "c.csv")):
+        chosen = str(tmp_path / name), kind
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, chosen=chosen: chosen)
+        save.trigger()
+        assert (tmp_path / written).is_file()
+        assert any(written in text for text in desk.messages())
+    with (tmp_path / "a.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["ground_m"]) for row in rows] == pytest.approx(chart.profile.ground_m, abs=1e-3)
+    assert not QImage(str(tmp_path / "b.png")).isNull()
+    profiles.save(tmp_path / "no folder" / "a.csv")
+    assert any("no folder" in text for text in desk.messages())
 
 
 def test_it_says_why_there_is_no_profile(desk, profiles):
