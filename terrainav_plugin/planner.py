@@ -25,11 +25,12 @@ _PAUSE_MS = 150
 
 
 class PlannedMission(NamedTuple):
-    """A mission, its plans, and the summary of all of them."""
+    """A mission, its plans, and the summary of all; ``whole`` is the first plan with all rows, if it skips some."""
 
     mission: Mission
     plans: MissionPlans
     summary: Summary
+    whole: Plan | None = None
 
     @property
     def plan(self) -> Plan:
@@ -101,7 +102,7 @@ def _plan(
 ) -> PlannedMission | None:
     """Plan step by step, ending early if overtaken. Runs on the planner's thread."""
     from ..core.mission.estimate import estimate
-    from .sources import plan_imageries, request_costs
+    from .sources import plan_imageries, plan_mission, request_costs
 
     plans = plan_imageries(mission, find_grids)
     summaries = {}
@@ -109,7 +110,10 @@ def _plan(
         if overtaken():
             return None
         summaries[name] = estimate(one, request_costs(one.mission.imagery.source))
-    return PlannedMission(mission, plans, summary_of_all(summaries))
+    whole = None
+    if mission.flight.skip_rows:
+        whole = plan_mission(plans.first.mission.replace(skip_rows=""), find_grids[next(iter(plans.by_imagery))])
+    return None if overtaken() else PlannedMission(mission, plans, summary_of_all(summaries), whole)
 
 
 def summary_of_all(summaries: dict[str, Summary]) -> Summary:

@@ -37,6 +37,7 @@ from .panel.source_list import SourceList
 from .paths import entered_folder, exists, next_folder, open_in_system
 from .planner import PlannedMission, Planner
 from .preview.background import Background, SourceOnMap
+from .preview.picking import PlanPicking
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
 from .profile.profiles import Profiles
@@ -90,13 +91,14 @@ class Session(QObject):
             clean=lambda run: self.datasets.open(run.folder, CLEAN),
         )
         self.planning = Planning(self.dock, self.planner, messages, lambda: self.runs.idle)
+        self.picking = PlanPicking(canvas, messages, form.state, self.planning.has_rows_of)
         self.alignment = RowAlignment(form, self.planning, messages)
         self.missions = Missions(
             self.dock.missions,
             messages,
             self.open_project,
             form.state,
-            form.set_state,
+            self._enter_mission,
             lambda: self.runs.folders,
         )
         self.opening_row = OpeningRow(self.dock.run_list, self.missions.stop_opening)
@@ -226,6 +228,7 @@ class Session(QObject):
             signal.disconnect(self._show_hint)
         self.source_list.close()
         self.areas.close()
+        self.picking.close()
         for tool in (self.box_tool, self.point_tool):
             tool.stop()
             tool.deleteLater()
@@ -244,6 +247,10 @@ class Session(QObject):
         form.draw_box_clicked.connect(self.draw_box)
         form.show_on_map_clicked.connect(self.show_on_map)
         form.route.pick_clicked.connect(self.areas.takeoff_tool.start)
+        form.route.rows_clicked.connect(lambda: self._pick(self.picking.pick_rows))
+        form.route.splits_clicked.connect(lambda: self._pick(self.picking.pick_splits))
+        self.picking.entered.connect(form.area_editing.set_entry)
+        self.planning.planned.connect(self.picking.show)
         form.preset_taken.connect(self._tell_preset)
         form.key.selectedConfigIdChanged.connect(self._key_chosen)
         dock.preview_toggled.connect(self.set_preview)
@@ -305,7 +312,18 @@ class Session(QObject):
         self.dock.form.set_state(state)
         self._show_hint()
 
+    def _enter_mission(self, state: FormState) -> None:
+        """Enter another mission, whose skipped rows and splits are as stated."""
+        self.planning.forget_numbers()
+        self.dock.form.set_state(state)
+
     # --- the preview
+
+    def _pick(self, begin: Callable[[], None]) -> None:
+        """Begin picking on the preview, which is shown first."""
+        if not (self._previewing and self.preview.visible):
+            self.set_preview(True)
+        begin()
 
     def _preview_plan(self, planned: PlannedMission) -> None:
         if not self._previewing:
@@ -325,6 +343,7 @@ class Session(QObject):
         """Note whether there is a preview; the preview buttons are pressed while it is visible."""
         self._previewing = on
         seen = on and self.preview.visible
+        self.picking.show_previewed(seen)
         self.areas.show_previewed(seen)
         self.dock.set_preview_pressed(seen)
         self.preview_shown.emit(seen)

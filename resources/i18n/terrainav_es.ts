@@ -2476,6 +2476,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>none</source>
         <translation>ninguna</translation>
     </message>
@@ -3181,6 +3182,42 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>conjuntos-de-datos-en-una-dirección</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/missions/joined_export.py"/>
+        <source>&amp;Add mission files…</source>
+        <translation>&amp;Añadir archivos de misión…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/joined_export.py"/>
+        <source>Add missions saved as files</source>
+        <translation>Añadir misiones guardadas como archivos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/joined_export.py"/>
+        <source>Export…</source>
+        <translation>Exportar…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/joined_export.py"/>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Mission files (*.json);;All files (*)</source>
+        <translation>Archivos de misión (*.json);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/joined_export.py"/>
+        <source>Missions of the flight, in its order: drag them to change it</source>
+        <translation>Misiones del vuelo, en su orden: arrástrelas para cambiarlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/joined_export.py"/>
+        <source>TerrAInav: add missions</source>
+        <translation>TerrAInav: añadir misiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/joined_export.py"/>
+        <source>TerrAInav: export as one flight</source>
+        <translation>TerrAInav: exportar como un solo vuelo</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>&amp;Dataset…</source>
         <translation>Con&amp;junto de datos…</translation>
@@ -3232,6 +3269,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Export as one fligh&amp;t…</source>
+        <translation>Exportar como un solo vue&amp;lo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table</source>
         <translation>Para DJI Pilot 2, QGroundControl, Litchi o Google Earth; como GPX, GeoPackage, GeoJSON o tabla</translation>
     </message>
@@ -3245,11 +3287,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Mission files (*.json)</source>
         <translation>Archivos de misión (*.json)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Mission files (*.json);;All files (*)</source>
-        <translation>Archivos de misión (*.json);;Todos los archivos (*)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3288,6 +3325,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Several missions in one flight plan, with safe transits between them</source>
+        <translation>Varias misiones en un solo plan de vuelo, con tránsitos seguros entre ellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>TerrAInav: open dataset</source>
         <translation>TerrAInav: abrir conjunto de datos</translation>
     </message>
@@ -3310,6 +3352,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>What you opened takes imagery, heights or datasets from {places}, which you have not used in this QGIS. Nothing is requested there until you allow it.</source>
         <translation>Lo que ha abierto toma imágenes, alturas o conjuntos de datos de {places}, que no se ha usado en este QGIS. No se le consulta nada hasta que lo permita.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>flight</source>
+        <translation>vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -4619,6 +4666,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>Cleared, as rows and images have other numbers now: {entries}.</source>
+        <translation>Vaciado, pues las pasadas y las imágenes tienen ahora otros números: {entries}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
         <source>The entries changed while the plan was being computed: press the button again.</source>
         <translation>Las entradas han cambiado mientras se calculaba el plan: pulse el botón de nuevo.</translation>
     </message>
@@ -4807,6 +4859,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Output</source>
         <translation>Salida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Pick rows to skip, by clicks on the preview</source>
+        <translation>Elegir pasadas por omitir, con clics en la vista previa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Pick the last images of sorties, by clicks on the preview</source>
+        <translation>Elegir las últimas imágenes de las salidas, con clics en la vista previa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -5381,6 +5443,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>{length} km, {count} images, from {start} to {end} UTC</source>
         <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>A split needs a take-off point, where each sortie begins and ends.</source>
+        <translation>Una división requiere un punto de despegue, donde empieza y termina cada salida.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>Click a row of the preview to skip it, again to bring it back; Shift-click takes all rows up to there.</source>
+        <translation>Haga clic en una pasada de la vista previa para omitirla y otra vez para recuperarla; con Mayús se toman todas hasta ella.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>Click the last image of a sortie; click it again to go on without landing.</source>
+        <translation>Haga clic en la última imagen de una salida; otro clic en ella y el vuelo sigue sin aterrizar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>No planned image is there, or the flight ends with it.</source>
+        <translation>Allí no hay ninguna imagen planificada, o el vuelo termina con ella.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>No row of planned images is there.</source>
+        <translation>Allí no hay ninguna pasada de imágenes planificadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>The plan is not there yet.</source>
+        <translation>El plan todavía no está.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>bring rows back</source>
+        <translation>recuperar pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>skip rows</source>
+        <translation>omitir pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>split the flight</source>
+        <translation>dividir el vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/algorithm.py"/>

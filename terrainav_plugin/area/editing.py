@@ -109,6 +109,10 @@ class AreaEditing(QObject):
         """Enter a take-off point as one step; an empty text removes it."""
         self._set(replace(self._read(), takeoff=text), step)
 
+    def set_entry(self, name: str, text: str, step: str) -> None:
+        """Enter skipped rows or splits as one step."""
+        self._set(replace(self._read(), **{name: text}), step)
+
     def make_box(self) -> None:
         """Replace a polygon or points by their bounding box."""
         area = entered_area(self._read())

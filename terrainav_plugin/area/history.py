@@ -22,10 +22,16 @@ def same_area(one: FormState, other: FormState) -> bool:
 
 def _changed_entries(one: FormState, other: FormState) -> tuple[str, ...]:
     """Entries other than the area in which two states differ, together with entries that belong to these."""
-    # Steps may change the height (pasted coordinates do), no-fly areas and the take-off point.
+    # Steps may change the height (pasted coordinates do), no-fly areas, the take-off point, skipped rows and splits.
     return tuple(
         name
-        for names in (("agl", "agl_unit", "height_by", "camera_gsd"), ("no_fly",), ("takeoff",))
+        for names in (
+            ("agl", "agl_unit", "height_by", "camera_gsd"),
+            ("no_fly",),
+            ("takeoff",),
+            ("skip_rows",),
+            ("split_after",),
+        )
         if any(getattr(one, each) != getattr(other, each) for each in names)
         for name in names
     )

@@ -36,6 +36,7 @@ from ..settings import Settings, recent, remember
 from ..sources import grid_finder
 from ..tasks import Task
 from .address_dialog import AddressDialog
+from .joined_export import JoinedDialog, JoinedExportTask
 from .plan_export import PlanExport
 
 if TYPE_CHECKING:
@@ -281,6 +282,8 @@ class Missions(QObject):
             if self.plan_export.reason
             else tr("For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table")
         )
+        joined = menu.addAction(tr("Export as one fligh&t…"), self.export_joined)
+        joined.setToolTip(tr("Several missions in one flight plan, with safe transits between them"))
         menu.addSeparator()
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
         failed.setToolTip(tr("Capture the images of the panel's mission that failed earlier"))
@@ -294,6 +297,33 @@ class Missions(QObject):
         compare = menu.addAction(tr("Co&mpare images…"), self.compare_wanted.emit)
         compare.setToolTip(tr("Flicker between two images on the map, such as two dates of one mission"))
         compare.setEnabled(len(mission_layers(self._open_project.project, RASTER)) > 1)
+
+    # --- several missions
+
+    def export_joined(self) -> None:
+        """Let the user choose missions of the project and a file, and write them as one flight."""
+        from ...core.mission.mission import Mission
+
+        missions: dict[str, Mission] = {}
+        for saved in saved_missions(self._open_project.project):
+            title = shortened(saved.title, _MOST_TITLE)
+            try:
+                missions[title if title not in missions else saved.folder] = Mission.from_json(saved.text)
+            except TerrAInavError as wrong:
+                self._tell_broken(title, wrong)
+        dialog = JoinedDialog(missions, self._settings.missions, self._tell_broken, self._button.window())
+        accepted = dialog.exec() == QDialog.DialogCode.Accepted
+        picked = dialog.chosen()
+        dialog.deleteLater()
+        if not accepted:
+            return
+
+        def export() -> None:
+            path = self.plan_export.ask_for_path(tr("flight"))
+            if path is not None:
+                self.plan_export.begin(JoinedExportTask(picked, [*map(grid_finder, picked.values())], path))
+
+        self._once_agreed(_MISSION, [name for one in picked.values() for name in source_names(one)], export)
 
     # --- opening
 

@@ -40,7 +40,9 @@ class PlanExportTask(Task):
         Why the plan was not written: the format cannot hold it, or the flight comes too close to the relief.
     """
 
-    def __init__(self, plan: Plan, path: Path, replace_parts: bool = False) -> None:
+    figures = ""
+
+    def __init__(self, plan: Plan | None, path: Path, replace_parts: bool = False) -> None:
         super().__init__(tr("Writing {name}").format(name=path.name))
         self.plan, self.path = plan, path
         self.exported: PlanFiles | None = None
@@ -59,6 +61,10 @@ class PlanExportTask(Task):
         except TerrAInavError as wrong:
             self.refusal = wrong
             raise
+
+    def again(self) -> PlanExportTask:
+        """Return a task that replaces parts."""
+        return PlanExportTask(self.plan, self.path, replace_parts=True)
 
 
 class PlanExport(QObject):
@@ -113,15 +119,21 @@ class PlanExport(QObject):
 
     def ask(self) -> None:
         """Let the user choose a file, and write the plan of the entered mission to it."""
+        path = self.ask_for_path(self._mission_folder().name or tr("mission"))
+        if path is not None:
+            refusal = tr("Nothing to export yet.")
+            self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
+
+    def ask_for_path(self, name: str) -> Path | None:
+        """Let the user choose a file, of which ``name`` is the suggested name; None if there is none."""
         if self._task is not None:
             self._messages.info(
                 tr("{name} is still being written; try again when it is there.").format(name=self._task.path.name)
             )
-            return
+            return None
         settings, known = Settings(), formats()
         last = Path(settings.plan_folder)
         folder = last if settings.plan_folder and is_folder(last) else settings.missions
-        name = self._mission_folder().name or tr("mission")
         first = _FOR_DRONES if self._drone_chosen() else next(iter(known))
         usual = settings.plan_ending if settings.plan_ending in known else first
         chosen, kind = QFileDialog.getSaveFileName(
@@ -133,14 +145,13 @@ class PlanExport(QObject):
             f"{known[usual]} (*{usual})",
         )
         if not chosen:
-            return
+            return None
         path = add_ending(Path(chosen), kind, usual)
         # The dialog has asked about the name that it showed; ask again if the name has received another ending.
         if path != Path(chosen) and exists(path) and not self._may_replace((path,)):
-            return
+            return None
         settings.plan_ending, settings.plan_folder = _ending(path.name) or usual, str(path.parent)
-        refusal = tr("Nothing to export yet.")
-        self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
+        return path
 
     def _may_replace(self, there: tuple[Path, ...]) -> bool:
         buttons = QMessageBox.StandardButton
@@ -166,9 +177,10 @@ class PlanExport(QObject):
         except TerrAInavError as wrong:
             self._messages.warning(translate(wrong))
             return
-        self._begin(PlanExportTask(planned.plan, path))
+        self.begin(PlanExportTask(planned.plan, path))
 
-    def _begin(self, task: PlanExportTask) -> None:
+    def begin(self, task: PlanExportTask) -> None:
+        """Write a plan in the background."""
         self._task = task
         task.begin(self._ended)
 
@@ -181,12 +193,14 @@ class PlanExport(QObject):
             return
         if task.there:
             if self._may_replace(task.there):
-                self._begin(PlanExportTask(task.plan, task.path, replace_parts=True))
+                self.begin(task.again())
             return
         if task.exported is None:
             return
         files, notes = task.exported.files, task.exported.notes
         text = tr("Plan exported as {names}.").format(names=", ".join(file.name for file in files))
+        if task.figures:
+            text = f"{text} {task.figures}."
         folder = files[0].parent
         open_folder = (tr("Open folder"), lambda: open_in_system(folder))
         if notes:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import operator
 import traceback
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.errors import TerrAInavError
 from ..form import mission_form
 from ..form.area import FormError
-from ..form.state import BOX_FIELDS
+from ..form.state import BOX_FIELDS, DECLARED, FormState
 from ..i18n import tr, translate
 from ..sources import source_policy
 from .figures import readout
@@ -56,6 +58,8 @@ class Planning(QObject):
         self._messages, self._may_time = messages, timed
         self.latest: PlannedMission | None = None
         self._asked: Mission | None = None
+        #: Mission whose rows and images the numbers of skipped rows and splits count; None after another was opened.
+        self._numbered: Mission | None = None
         self._timed: tuple[Mission, str] | None = None
         self._when_planned: Callable[[PlannedMission], None] | None = None
         self._refusal = ""
@@ -119,6 +123,9 @@ class Planning(QObject):
                 self._dock.show_nothing()
                 self.unplanned.emit(tr("No area yet."))
             return False
+        if self._clear_numbers(state, mission):
+            # The form has changed, and is being planned.
+            return True
         self._form.show_messages({})
         self._asked = mission
         outdated = self.latest is None or self.latest.mission != mission
@@ -127,6 +134,36 @@ class Planning(QObject):
             self.unplanned.emit("")
         timed = not self._mission_cost(mission) and self._may_time() and self._when_planned is None
         self._planner.request(mission, at_once, timed)
+        return True
+
+    def forget_numbers(self) -> None:
+        """Take the numbers of skipped rows and splits of the next mission as they are, as another one is opened."""
+        self._numbered = None
+
+    def has_rows_of(self, planned: PlannedMission) -> bool:
+        """Whether the rows and images of a plan have the numbers of the entered mission's."""
+        return self._asked is not None and all(map(operator.eq, _numbering(self._asked), _numbering(planned.mission)))
+
+    def _clear_numbers(self, state: FormState, mission: Mission) -> bool:
+        """Clear skipped rows and splits if the user's change has given other numbers to rows or images."""
+        before, self._numbered = self._numbered, mission
+        if before is None:
+            return False
+        (rows, images), (old_rows, old_images) = _numbering(mission), _numbering(before)
+        cleared: dict[str, str] = {}
+        skipped, splits = mission.flight.skip_rows, mission.route.split_after
+        if rows != old_rows and skipped and skipped == before.flight.skip_rows:
+            cleared["skip_rows"] = ""
+        if images != old_images and splits and splits == before.route.split_after:
+            cleared["split_after"] = ""
+        if not cleared:
+            return False
+        self._messages.info(
+            tr("Cleared, as rows and images have other numbers now: {entries}.").format(
+                entries=", ".join(translate(DECLARED[name].title) for name in cleared)
+            )
+        )
+        self._form.set_state(replace(state, **cleared))
         return True
 
     def is_entered(self, mission: Mission) -> bool:
@@ -205,3 +242,18 @@ class Planning(QObject):
             )
         if waiting is not None:
             self.refuse(self._refusal)
+
+
+def _numbering(mission: Mission) -> tuple[Any, Any]:
+    """What the numbers of rows, and those of images in flight order, depend on."""
+    from ...core.mission.parts import NEAREST, Flight
+
+    skipped = mission.flight.skip_rows
+    flight = replace(mission.flight, skip_rows="", airspeed_m_per_s=Flight.airspeed_m_per_s, start=Flight.start)
+    accuracy, imagery, route = mission.accuracy, mission.imagery, mission.route
+    rows = (
+        *(mission.area, mission.camera, mission.attitude, replace(flight, order=Flight.order), mission.pixels),
+        *(mission.terrain, accuracy.frame, accuracy.error_budget_px, imagery.source, imagery.crs),
+    )
+    home = route.takeoff if route.entry == NEAREST else None
+    return rows, (rows, flight.order, skipped, mission.no_fly, route.entry, home)

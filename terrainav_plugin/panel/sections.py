@@ -6,6 +6,7 @@ import html
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QLabel, QMenu
 
@@ -296,11 +297,13 @@ class RouteSection(Section):
 
     Signals
     -------
-    pick_clicked()
-        The user wants to pick the take-off point on the map.
+    pick_clicked(), rows_clicked(), splits_clicked()
+        The user wants to pick the take-off point, rows to skip, or images after which the flight is split on the map.
     """
 
     pick_clicked = pyqtSignal()
+    rows_clicked = pyqtSignal()
+    splits_clicked = pyqtSignal()
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("route", tr("Flight path"), marks)
@@ -326,8 +329,15 @@ class RouteSection(Section):
             "drone",
         ):
             self.add_declared(name)
-        for name in ("skip_rows", "split_after"):
-            self.add_declared(name, declared_line(name))
+        for name, clicked, tip in (
+            ("skip_rows", self.rows_clicked, tr("Pick rows to skip, by clicks on the preview")),
+            ("split_after", self.splits_clicked, tr("Pick the last images of sorties, by clicks on the preview")),
+        ):
+            line = declared_line(name)
+            line.setPlaceholderText(tr("none"))
+            button = tool_button(f"pick_{name}", QgsApplication.getThemeIcon("/mActionSelectRectangle.svg"), tip)
+            button.clicked.connect(lambda _checked, clicked=clicked: clicked.emit())
+            self.add(name, field_label(DECLARED[name]), line, row(line, button, stretch=0))
 
 
 class WindSection(Section):

@@ -75,11 +75,15 @@ NO_ADVICE = frozenset(
             "pixel of the screen, with Shift by ten; Esc ends it."
         ),
         "Set take-off point, by a click on the map",
+        "Click a row of the preview to skip it, again to bring it back; Shift-click takes all rows up to there.",
+        "Click the last image of a sortie; click it again to go on without landing.",
+        "Missions of the flight, in its order: drag them to change it",
         "Lay this image on the map, orthorectified where it is turned or tilted; press again to remove it",
         "{name}\n{bits} bits; press to show it on the map",
         "Remove “{title}” from your sources? Captured images stay.",
         # Titles of windows.
         "TerrAInav: add imagery",
+        "TerrAInav: add missions",
         "TerrAInav: add source",
         "TerrAInav: clean dataset",
         "TerrAInav: remove source",
@@ -100,6 +104,7 @@ NO_ADVICE = frozenset(
         "remove a hole",
         "remove a polygon",
         "set take-off point",
+        "split the flight",
     ]
 )
 #: Text between two pieces of advice.
