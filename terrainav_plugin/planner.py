@@ -101,15 +101,14 @@ def _plan(
     mission: Mission, find_grids: dict[str, Callable[[], PixelGrid]], overtaken: Callable[[], bool]
 ) -> PlannedMission | None:
     """Plan step by step, ending early if overtaken. Runs on the planner's thread."""
-    from ..core.mission.estimate import estimate
-    from .sources import plan_imageries, plan_mission, request_costs
+    from .sources import plan_imageries, plan_mission, plan_summary
 
     plans = plan_imageries(mission, find_grids)
     summaries = {}
     for name, one in plans.by_imagery.items():
         if overtaken():
             return None
-        summaries[name] = estimate(one, request_costs(one.mission.imagery.source))
+        summaries[name] = plan_summary(one)
     whole = None
     if mission.flight.skip_rows:
         whole = plan_mission(plans.first.mission.replace(skip_rows=""), find_grids[next(iter(plans.by_imagery))])
@@ -121,7 +120,7 @@ def summary_of_all(summaries: dict[str, Summary]) -> Summary:
     first, *others = summaries.values()
     if not others:
         return first
-    added = ("unique_tiles", "download_bytes", "output_bytes", "seconds")
+    added = ("unique_tiles", "download_bytes", "output_bytes", "seconds", "mosaic_s")
     warnings = [
         Message("{0}: {1}", name, warning)
         for name, one in summaries.items()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from ..core.imagery.opening import NamedSource, SourceOptions
     from ..core.imagery.policy import Policy
     from ..core.imagery.source import Source
-    from ..core.mission.estimate import Costs
+    from ..core.mission.estimate import Costs, Summary
     from ..core.mission.mission import Mission
     from ..core.mission.plan import Plan
     from ..core.mission.relief.ground import Heights
@@ -225,6 +226,16 @@ def request_costs(name: str) -> Costs:
     # The terms of a service are in its capabilities, which are not requested for an estimate.
     policy = source.stated_policy
     return ONLINE if policy is None else replace(ONLINE, requests_per_s=policy.requests_per_s)
+
+
+def plan_summary(plan: Plan) -> Summary:
+    """Figures of a plan, with the times of this machine's processors and of the connections chosen; on any thread."""
+    from ..core.mission.estimate import estimate
+
+    name, connections = plan.mission.imagery.source, Settings().connections
+    stated = None if is_of_qgis(name) or is_connection(name) or _named(name).is_local else _named(name).stated_policy
+    connections = connections if stated is None else stated.connections(connections)
+    return estimate(plan, request_costs(name), connections, os.cpu_count() or 1)
 
 
 def source_policy(name: str) -> Policy | None:

@@ -8,7 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import Message, OptionName
+from ..external.compiling import uses_numba
+from ..geodesy.ellipsoid import WGS84
 from .areas.area import Polygon, Polygons
 from .flight.pilot import (
     SpeedLimits,
@@ -24,6 +27,14 @@ from .flight.pilot import (
 )
 from .methods import ChosenMethods
 from .plan import Plan
+
+#: Most pixels of an orthomosaic that QGIS makes after a capture.
+MOST_ORTHOMOSAIC_PX = 1 << 28
+#: Largest angle from the vertical at which an orthomosaic uses images, degrees; beyond, a pixel spans over 30 times the
+#: ground that it spans at the nadir.
+ORTHOMOSAIC_DEG = 80.0
+#: Most threads that make an orthomosaic.
+ORTHOMOSAIC_THREADS = 8
 
 
 @dataclass(frozen=True)
@@ -43,6 +54,10 @@ class Costs:
     trace_s_per_px, trace_s_per_cell : float
         Time to trace the rays of a camera frame over relief, twice, on one core: per pixel of the frame, and per cell
         of the relief below.
+    mosaic_s_per_px : float
+        Time to read a pixel of an image for a mosaic, on one core.
+    orthomosaic_s_per_px, orthomosaic_trace_s_per_px : float
+        Time to make a pixel of an orthomosaic, on one core, and to trace it over relief.
     requests_per_s : float or None
         Rate limit of the source; None without one.
     pixels_from : str
@@ -56,6 +71,9 @@ class Costs:
     warp_s_per_px: float = 1e-7
     trace_s_per_px: float = 2e-6
     trace_s_per_cell: float = 5e-7
+    mosaic_s_per_px: float = 8e-8
+    orthomosaic_s_per_px: float = 8e-7
+    orthomosaic_trace_s_per_px: float = 5e-6
     requests_per_s: float | None = None
     pixels_from: str = "network"
 
@@ -64,13 +82,15 @@ class Costs:
 ONLINE = Costs(
     request_s=0.06,
     request_bytes=15_000.0,
-    encode_s_per_px={"tif": 1.3e-7, "jpg": 1.1e-7, "png": 1.7e-7},
+    encode_s_per_px={"tif": 0.9e-7, "jpg": 0.8e-7, "png": 1.2e-7},
     bytes_per_px={"tif": 1.7, "jpg": 0.55, "png": 1.6},
 )
 #: Aerial photographs in a local file.
 FROM_FILE = replace(ONLINE, request_s=0.01, request_bytes=0.0, pixels_from="file")
 #: The embedded world: tiles are computed here, and are smoother than photographs.
-OFFLINE = replace(FROM_FILE, bytes_per_px={"tif": 0.88, "jpg": 0.31, "png": 0.69}, pixels_from="computer")
+OFFLINE = replace(
+    FROM_FILE, request_s=0.005, bytes_per_px={"tif": 0.88, "jpg": 0.31, "png": 0.69}, pixels_from="computer"
+)
 
 
 @dataclass(frozen=True)
@@ -85,6 +105,9 @@ class Summary:
     take-off, over all sorties; None without a route. ``interval_s`` is the shortest time between two images of a row.
     ``fov_deg`` is 0 unless the camera looks straight down. ``airborne_s`` is from take-off to landing, as
     QGroundControl counts it, with ``batteries`` of the mission's ``drone``.
+
+    ``mosaic_s`` is the time of the mosaics that QGIS makes after the ``seconds`` of the capture; JSON omits it, as the
+    command makes none.
 
     ``polygons`` counts the polygons of the area. ``images_over_no_fly`` counts images left out because their camera
     would stand inside one of the ``no_fly_areas``. Covered and uncovered shares refer to the ground outside these;
@@ -148,12 +171,13 @@ class Summary:
     batteries: int | None = None
     speed_limits: SpeedLimits | None = None
     drone: str = ""
+    mosaic_s: float = 0.0
     skip_rows: str = ""
     images_in_skipped_rows: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
-        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "accuracy"}
+        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("accuracy", "mosaic_s")}
         sun, limits = (None if one is None else one._asdict() for one in (self.sun, self.speed_limits))
         return {**plain, "sun": sun, "speed_limits": limits, "accuracy": self.accuracy.to_dict()}
 
@@ -311,9 +335,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         Simultaneous requests, and cores that encode.
     """
     mission, types = plan.mission, len(plan.mission.imagery.map_types)
-    pixels = float(np.sum(plan.frames.width_px * plan.frames.height_px))
-    if mission.output.img_size is not None:
-        pixels = float(len(plan)) * mission.output.img_size[0] * mission.output.img_size[1]
+    pixels = _image_px(plan)
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
     if costs.requests_per_s:
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
@@ -350,6 +372,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         download_bytes=round(types * plan.requests * costs.request_bytes),
         output_bytes=round(types * pixels * costs.bytes_per_px[mission.output.image_format]),
         seconds=types * seconds,
+        mosaic_s=mosaic_s(plan, costs, cores),
         map_types=mission.imagery.map_types,
         accuracy=plan.accuracy,
         polygons=_polygon_count(plan),
@@ -364,6 +387,62 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     )
 
 
+def mosaic_s(plan: Plan, costs: Costs = ONLINE, cores: int = 2) -> float:
+    """Estimate the seconds that QGIS takes for mosaics of a plan's images, of all map types, after the capture."""
+    types = len(plan.mission.imagery.map_types)
+    seconds = _image_px(plan) * costs.mosaic_s_per_px / cores
+    if not plan.frames.is_north_up:
+        # Each image is decoded whole, and found in the blocks that it reaches into.
+        seconds *= 2.0
+        count_px, overlap = _orthomosaic_px(plan)
+        s_per_px = costs.orthomosaic_s_per_px
+        if not plan.relief.is_level:
+            # The more images may show a pixel, the more are traced, the steepest first.
+            s_per_px += costs.orthomosaic_trace_s_per_px * math.sqrt(overlap)
+        seconds += count_px * s_per_px / min(cores, ORTHOMOSAIC_THREADS)
+    return types * seconds
+
+
+def _image_px(plan: Plan) -> float:
+    """Number of pixels in the files of one map type."""
+    size = plan.mission.output.img_size
+    if size is not None:
+        return float(len(plan)) * size[0] * size[1]
+    return float(np.sum(plan.frames.width_px * plan.frames.height_px))
+
+
+def _orthomosaic_px(plan: Plan) -> tuple[float, float]:
+    """Number of pixels of an orthomosaic, and of images that show each: at least 1.
+
+    The pixels are those of the rectangle around its images, or of their footprints if that is less, as far as an
+    orthomosaic uses images: what a camera sees farther away, or above the horizon, is left out.
+    """
+    degree_m = math.radians(1.0) * WGS84.a_m
+    reach_m = math.tan(math.radians(ORTHOMOSAIC_DEG)) * plan.poses.agl_m[:, np.newaxis]
+    # Metres a degree, to the east and to the north of each camera, and of the first one.
+    scales = degree_m * math.cos(math.radians(float(np.median(plan.lat_deg)))), degree_m
+    places = _turned(plan.lon_deg - plan.lon_deg[0]), plan.lat_deg - plan.lat_deg[0]
+    corners = (
+        _turned(plan.corners.lon_deg - plan.lon_deg[:, np.newaxis]),
+        plan.corners.lat_deg - plan.lat_deg[:, np.newaxis],
+    )
+    (east, north), sides_m = (np.clip(at * scale, -reach_m, reach_m) for at, scale in zip(corners, scales)), []
+    for place, corner, scale in zip(places, (east, north), scales):
+        least, most = (np.where(np.isnan(corner), sign * reach_m, corner) for sign in (-1.0, 1.0))
+        middle = (place * scale)[:, np.newaxis]
+        sides_m.append(float((middle + most).max() - (middle + least).min()))
+    across = (east * np.roll(north, -1, axis=1) - np.roll(east, -1, axis=1) * north).sum(axis=1)
+    footprints_m2 = np.where(np.isnan(across), reach_m[:, 0] ** 2, np.abs(across) / 2.0)
+    area_m2 = min(float(footprints_m2.sum()), sides_m[0] * sides_m[1])
+    count_px = min(area_m2 / plan.resolution.picture_m_per_px**2, float(MOST_ORTHOMOSAIC_PX))
+    return count_px, max(float(footprints_m2.sum()) / area_m2, 1.0)
+
+
+def _turned(lon_deg: Floats) -> Floats:
+    """Differences of longitude, within half a turn."""
+    return (lon_deg + 180.0) % 360.0 - 180.0
+
+
 def _trace_s(plan: Plan, costs: Costs) -> float:
     """Seconds that tracing rays over relief takes on one core; 0 over level ground."""
     if plan.relief.is_level:
@@ -374,7 +453,8 @@ def _trace_s(plan: Plan, costs: Costs) -> float:
     cell_m = plan.relief.heights.surface.cell_m(float(plan.lat_deg[0]), float(plan.lon_deg[0]))
     # From high up, tracing uses coarser cells.
     cells = np.minimum(pixels * (plan.resolution.requested_m_per_px / cell_m) ** 2, MOST_CELLS)
-    return float(np.sum(pixels * costs.trace_s_per_px + cells * costs.trace_s_per_cell))
+    seconds = float(np.sum(pixels * costs.trace_s_per_px + cells * costs.trace_s_per_cell))
+    return seconds / 3.0 if uses_numba() else seconds
 
 
 def _flight_figures(plan: Plan) -> dict[str, Any]:

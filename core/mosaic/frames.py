@@ -20,6 +20,7 @@ from ..dataset.ground import are_camera_frames, check_poses, image_plane
 from ..dataset.labels import middle_position
 from ..dataset.table import Table, usable_rows
 from ..errors import InvalidInput
+from ..external.compiling import without_numba
 from ..geodesy.camera import CORNERS, Camera, Poses, image_axes
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.local import enu_axes, geocentric
@@ -28,6 +29,7 @@ from ..geodesy.planes import ProjectedPlane
 from ..geodesy.raytracing.surface import Surface
 from ..geodesy.raytracing.tracing import ElevationModel
 from ..limits import MAX_SETTINGS_BYTES
+from ..mission.estimate import ORTHOMOSAIC_DEG
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.relief.ground import Heights
@@ -39,9 +41,6 @@ from .raster import BlockGround, PixelBlock, places, positions
 
 OpenHeights = Callable[[Mission], "Heights | None"]
 
-#: Largest angle from the vertical at which images are used, degrees; beyond, a pixel spans over 30 times the ground
-#: that it spans at the nadir.
-FLATTEST_DEG = 80.0
 _WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
 
 
@@ -109,7 +108,7 @@ class CameraImages:
     paths: tuple[Path, ...]
     sizes_px: Numbers
     plane: Plane
-    flattest_deg: float = FLATTEST_DEG
+    flattest_deg: float = ORTHOMOSAIC_DEG
 
     def __len__(self) -> int:
         return len(self.paths)
@@ -369,13 +368,15 @@ class CameraImages:
         points = ground.points[which]
         towards = points - self.centres[index]
         pose = self.poses.take(np.full(len(points), index))
-        lat, dlon, height, hit = surface.first_points(
-            pose.lat_deg,
-            pose.lon_deg,
-            pose.agl_m,
-            towards @ enu_axes(pose.lat_deg[0], pose.lon_deg[0]).T,
-            surface.lowest_m,
-        )
+        # Compiled code takes several times as long for rays from one camera to scattered points.
+        with without_numba():
+            lat, dlon, height, hit = surface.first_points(
+                pose.lat_deg,
+                pose.lon_deg,
+                pose.agl_m,
+                towards @ enu_axes(pose.lat_deg[0], pose.lon_deg[0]).T,
+                surface.lowest_m,
+            )
         met = geocentric(lat, pose.lon_deg + dlon, height)
         cell = float(surface.grid.ground_m_per_px(pose.lat_deg[:1], pose.lon_deg[:1], surface.zoom)[0])
         # At grazing angles, rounding puts visible ground up to 0.02 cells behind the point that its ray meets.

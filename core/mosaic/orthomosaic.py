@@ -25,6 +25,7 @@ from ..bands import Bands
 from ..dataset.dataset import open_masked, read_band_metadata
 from ..errors import Cancelled, InvalidInput
 from ..limits import MAX_MOSAIC_SIDE_PX
+from ..mission.estimate import ORTHOMOSAIC_THREADS
 from ..picture.heights import mission_heights
 from ..picture.resampling import sample
 from .bigtiff import TILE_PX, packed_tile, write_tiles
@@ -36,8 +37,6 @@ Progress = Callable[[float], bool]
 
 #: Side of the blocks that threads make: whole tiles, some 100 MB a thread.
 _BLOCK_PX = 2 * TILE_PX
-#: Most threads, each of which makes a block.
-_MOST_THREADS = 8
 #: Size of the decoded images that are kept, besides those in use.
 _KEPT_BYTES = 1 << 28
 
@@ -258,7 +257,7 @@ class _Block(NamedTuple):
 
 def _in_order(make: Callable[[tuple[int, int]], _Block], blocks: list[tuple[int, int]]) -> Iterator[_Block]:
     """Make blocks in threads, and yield them in order."""
-    threads = min(os.cpu_count() or 1, _MOST_THREADS)
+    threads = min(os.cpu_count() or 1, ORTHOMOSAIC_THREADS)
     left = iter(blocks)
     with ThreadPoolExecutor(threads, thread_name_prefix="terrainav-mosaic") as pool:
         # Begin two blocks a thread ahead of the block that is written next.

@@ -1506,8 +1506,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>; making the mosaic…</source>
-        <translation>; creando el mosaico…</translation>
+        <source>; making the mosaic…, {time} left</source>
+        <translation>; creando el mosaico…, quedan {time}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -3876,8 +3876,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>About {duration}, then the mosaic</source>
-        <translation>Unos {duration}, después el mosaico</translation>
+        <source>About {duration}, then {mosaic} for the mosaic</source>
+        <translation>Unos {duration}, y después {mosaic} para el mosaico</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import enum
+import math
+import os
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
+from ...core.mission.estimate import mosaic_s
+from ..dataset.mosaic import MOST_PICTURES
 from ..i18n import number_text, tr, translate
 from ..units import duration_text
 from .task import CaptureTask
@@ -88,6 +93,9 @@ class BackgroundRun(QObject):
         #: Progress when the latest pause began, shown until it ends: images under way are finished meanwhile.
         self.paused_at: Progress | None = None
         self.percent = 0.0
+        shown = [plan for plan in plans.by_imagery.values() if len(plan) <= MOST_PICTURES and not test_shot]
+        self._mosaic_s = sum(mosaic_s(plan, cores=os.cpu_count() or 1) for plan in shown)
+        self._mosaic_began_s = math.nan
         self.task = CaptureTask(plans, folder, keys, test_shot, only_failed)
 
     @property
@@ -130,6 +138,15 @@ class BackgroundRun(QObject):
         """Whether every image is there or has failed."""
         progress = self.progress
         return progress is not None and progress.done + progress.failed + progress.skipped >= progress.total > 0
+
+    @property
+    def mosaic_left_s(self) -> float:
+        """Seconds left for the mosaic: as estimated until a part of it is made, then at the pace so far."""
+        share = (self.percent / 100.0 - self.task.capture_share) / (1.0 - self.task.capture_share)
+        # A small part says little.
+        if not self.has_all_images or share < 0.05 or math.isnan(self._mosaic_began_s):
+            return self._mosaic_s
+        return (monotonic() - self._mosaic_began_s) * (1.0 - share) / share
 
     def begin(self) -> None:
         """Start the task, when the run is first in the queue."""
@@ -178,6 +195,8 @@ class BackgroundRun(QObject):
 
     def _progressed(self, progress: Progress) -> None:
         self.progress = progress
+        if self.has_all_images and math.isnan(self._mosaic_began_s):
+            self._mosaic_began_s = monotonic()
         self.changed.emit()
 
     def _show_progress(self, percent: float) -> None:
@@ -230,7 +249,7 @@ def row_text(run: BackgroundRun, place: int = 0) -> str:
     if run.progress is None:
         # A task with relief first reads heights, to trace the images.
         return tr("Reading heights…") if run.mission.terrain.elevation else tr("Starting…")
-    return _counts(run.progress) + _pace(run.progress, making_mosaic=not run.test_shot)
+    return _counts(run.progress) + _pace(run.progress, run.mosaic_left_s, making_mosaic=not run.test_shot)
 
 
 def done_text(result: CaptureResult) -> str:
@@ -241,17 +260,17 @@ def done_text(result: CaptureResult) -> str:
         if result.total == 1:
             return tr("The image already exists.")
         return tr("All {total} images already exist.").format(total=number_text(result.total))
-    time = duration_text(result.seconds)
+    duration = duration_text(result.seconds)
     if result.skipped:
         return tr("All {total} images captured: {written} now, in {time}; {skipped} in earlier runs.").format(
             total=number_text(result.total),
             written=number_text(result.written),
-            time=time,
+            time=duration,
             skipped=number_text(result.skipped),
         )
     if result.written == 1:
-        return tr("One image captured in {time}.").format(time=time)
-    return tr("{written} images captured in {time}.").format(written=number_text(result.written), time=time)
+        return tr("One image captured in {time}.").format(time=duration)
+    return tr("{written} images captured in {time}.").format(written=number_text(result.written), time=duration)
 
 
 def note_saved_images(error: str, result: CaptureResult | None) -> str:
@@ -267,19 +286,20 @@ def _counts(progress: Progress) -> str:
     return text
 
 
-def _pace(progress: Progress, making_mosaic: bool) -> str:
-    """Rate and remaining time, computed without pauses."""
+def _pace(progress: Progress, mosaic_left_s: float, making_mosaic: bool) -> str:
+    """Rate, and remaining time with that of the mosaic, computed without pauses."""
     done = progress.done + progress.failed
     left = progress.total - progress.skipped - done
     if not left:
-        return tr("; making the mosaic…") if making_mosaic else ""
+        time_left = duration_text(max(mosaic_left_s, 1.0))
+        return tr("; making the mosaic…, {time} left").format(time=time_left) if making_mosaic else ""
     # The rate of the first ten images is not representative: they wait for connections.
     if done < 10 or progress.active_s <= 0.0:
         return ""
     rate = done / progress.active_s
     # Decimals of a higher rate are not significant.
     shown = number_text(rate, ".0f") if rate >= 10.0 else number_text(rate, ".1f")
-    return tr(", {rate} a second, {time} left").format(rate=shown, time=duration_text(left / rate))
+    return tr(", {rate} a second, {time} left").format(rate=shown, time=duration_text(left / rate + mosaic_left_s))
 
 
 def _end_text(run: BackgroundRun) -> str:

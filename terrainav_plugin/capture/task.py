@@ -62,6 +62,8 @@ class CaptureTask(Task):
     ----------
     paused : bool
         Set on the main thread; while True, the task makes no requests and begins no image.
+    capture_share : float
+        Share of the capture in the progress; the mosaic has the rest.
     result : CaptureResult or None
     mosaics : list of MosaicRaster
     without_mosaic : str
@@ -102,7 +104,7 @@ class CaptureTask(Task):
         self._snapshots = {name: mission_snapshot(one) for name, one in missions.items()}
         self._with_mosaic = not test_shot
         # Share of capturing in the progress; the mosaic takes the rest, which is longer if it is orthorectified.
-        self._capture_share = 0.9 if plans.first.frames.is_north_up else 0.6
+        self.capture_share = 0.9 if plans.first.frames.is_north_up else 0.6
         self._connections = Settings().connections
         self._transports = {name: source_transport(one.imagery.source) for name, one in missions.items()}
         self._stopping = False
@@ -251,7 +253,7 @@ class CaptureTask(Task):
         if self.plans.mission.imagery.imageries:
             progress = self._sum(progress)
         done = progress.done + progress.failed + progress.skipped
-        share = self._capture_share if self._with_mosaic else 1.0
+        share = self.capture_share if self._with_mosaic else 1.0
         if not self.paused:
             self.setProgress(100.0 * share * done / max(progress.total, 1))
         self._there = progress.done + progress.skipped
@@ -291,4 +293,4 @@ class CaptureTask(Task):
 
     def _mosaic_progress(self, share: float) -> bool:
         whole = (self._mosaics_made + share) / len(self.plans.by_imagery)
-        return self.report_progress(self._capture_share + (1.0 - self._capture_share) * whole)
+        return self.report_progress(self.capture_share + (1.0 - self.capture_share) * whole)

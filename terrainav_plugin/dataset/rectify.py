@@ -20,6 +20,7 @@ from ...core.dataset.folder import TABLE_FILE
 from ...core.dataset.ground import are_camera_frames
 from ...core.dataset.table import Table, usable_rows
 from ...core.errors import InvalidInput, Message, OutputError
+from ...core.mission.estimate import MOST_ORTHOMOSAIC_PX
 from ...core.mosaic.frames import CameraImages, camera_frames
 from ...core.mosaic.orthomosaic import Orthomosaic, make_orthomosaic, orthorectify
 from ...core.storage.files import partial_file
@@ -129,7 +130,7 @@ def write_mosaic(
         target,
         map_type=map_type or None,
         gsd_m=gsd_m,
-        most_px=None if gsd_m else 1 << 28,
+        most_px=None if gsd_m else MOST_ORTHOMOSAIC_PX,
         open_heights=open_heights,
         progress=progress,
     )

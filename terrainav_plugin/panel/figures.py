@@ -330,7 +330,7 @@ def _line(plan: Plan, summary: Summary, unit: str, coarser_m: float | None, imag
         *(() if covered is None else (tr("{share} % covered").format(share=number_text(share, "g")),)),
         tr("GSD {size}").format(size=gsd_text(summary.delivered_gsd_m_per_px, unit)),
         _size(plan.mission, summary, unit, coarser_m),
-        tr("{duration} to capture").format(duration=duration_text(summary.seconds)),
+        tr("{duration} to capture").format(duration=duration_text(summary.seconds + _mosaic_s(plan, summary))),
     )
 
 
@@ -576,10 +576,14 @@ def _tiles(summary: Summary) -> str:
 
 
 def _time(plan: Plan, summary: Summary) -> str:
-    """Time of the capture, without the mosaic: an orthomosaic may take several times as long."""
-    has_orthomosaic = not plan.frames.is_north_up and len(plan) <= MOST_PICTURES
-    text = tr("About {duration}, then the mosaic") if has_orthomosaic else tr("About {duration}")
-    return text.format(duration=duration_text(summary.seconds))
+    """Times of the capture, and of the mosaic, which may take longer."""
+    mosaic_s = _mosaic_s(plan, summary)
+    text = tr("About {duration}, then {mosaic} for the mosaic") if mosaic_s >= 1.0 else tr("About {duration}")
+    return text.format(duration=duration_text(summary.seconds), mosaic=duration_text(mosaic_s))
+
+
+def _mosaic_s(plan: Plan, summary: Summary) -> float:
+    return summary.mosaic_s if len(plan) <= MOST_PICTURES else 0.0
 
 
 def _download(summary: Summary) -> str:

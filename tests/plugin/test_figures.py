@@ -81,12 +81,11 @@ def test_coverage_is_that_of_the_area_outside_no_fly_areas():
     assert lines["No-fly areas"] == f"Images left out: {summary.images_over_no_fly}; {held_km2:.3f} km² of the area"
 
 
-def test_the_mosaic_of_tilted_images_is_said_apart_from_the_time():
-    _, level = lines_of(Mission(area=AREA, agl_m=300.0))
-    _, tilted = lines_of(Mission(area=AREA, agl_m=300.0, tilt_deg=20.0))
-    assert level["Time"].startswith("About ")
-    assert "mosaic" not in level["Time"]
-    assert tilted["Time"].endswith(", then the mosaic")
+def test_the_mosaic_s_time_is_said_apart_and_counted():
+    for tilt_deg in (0.0, 20.0):
+        summary, lines = lines_of(Mission(area=AREA, agl_m=300.0, tilt_deg=tilt_deg))
+        mosaic = duration_text(summary.mosaic_s)
+        assert lines["Time"] == f"About {duration_text(summary.seconds)}, then {mosaic} for the mosaic"
 
 
 def test_several_map_types_count_together():
@@ -181,7 +180,7 @@ def test_the_figures_that_decide_are_a_line():
         "100 % covered",
         f"GSD {100.0 * summary.delivered_gsd_m_per_px:.4g} cm",
         f"{summary.width_px} × {summary.height_px} px",
-        f"{duration_text(summary.seconds)} to capture",
+        f"{duration_text(summary.seconds + summary.mosaic_s)} to capture",
     )
     _, shown = readout_of(Mission(area=AREA, agl_m=120.0, layout="paper"))
     assert "100 % covered" not in shown.line

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import time
+from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -116,6 +119,36 @@ def test_a_run_over_relief_says_that_it_reads_heights(elevation, said):
     mission = Mission(Box(35.15, -89.9, 35.14, -89.89), 100.0, elevation=elevation)
     run = SimpleNamespace(stage=Stage.RUNNING, has_ended=False, progress=None, mission=mission)
     assert row_text(run) == said
+
+
+def test_the_time_left_has_that_of_the_mosaic(monkeypatch):
+    """By a clock of the test: the images at their pace, the mosaic as estimated, then at its own pace."""
+    from terrainav.core.capture.progress import Progress
+    from terrainav.core.geodesy.mercator import PixelGrid
+    from terrainav.core.mission.estimate import mosaic_s
+    from terrainav.core.mission.plan import plan
+    from terrainav.terrainav_plugin.capture import run as run_module
+    from terrainav.terrainav_plugin.sources import MissionPlans
+    from terrainav.terrainav_plugin.units import duration_text
+
+    clock = SimpleNamespace(now_s=0.0)
+    monkeypatch.setattr(run_module, "monotonic", lambda: clock.now_s)
+    mission = Mission(Box(35.15, -89.9, 35.14, -89.89), 100.0, source="world", tilt_deg=20.0)
+    steps = plan(mission, PixelGrid())
+    run = run_module.BackgroundRun(MissionPlans(mission, {"": steps}), Path("survey"), {"": None})
+    run.stage = Stage.RUNNING
+    estimated_s = mosaic_s(steps, cores=os.cpu_count())
+    assert estimated_s > 5.0
+    run._progressed(Progress(total=100, done=50, failed=0, skipped=0, requests=0, map_type="satellite", active_s=25.0))
+    assert row_text(run).endswith(f", 2.0 a second, {duration_text(25.0 + estimated_s)} left")
+    run._progressed(replace(run.progress, done=100, active_s=50.0))
+    assert row_text(run).endswith(f"; making the mosaic…, {duration_text(estimated_s)} left")
+    # A quarter of it has taken 30 s.
+    clock.now_s += 30.0
+    run._show_progress(100.0 * (run.task.capture_share + 0.25 * (1.0 - run.task.capture_share)))
+    assert row_text(run).endswith(f"; making the mosaic…, {duration_text(90.0)} left")
+    run.stage = Stage.WAITING
+    run.close()
 
 
 def test_paused_run_asks_for_nothing_and_its_time_stands_still(prepared, server):

@@ -7,10 +7,11 @@ import math
 from dataclasses import replace
 
 import pytest
+from terrainav.core.external.compiling import uses_numba
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box, Points
-from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, area_text, estimate, percent
+from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, area_text, estimate, mosaic_s, percent
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import mission_heights
@@ -53,9 +54,33 @@ def test_images_over_relief_take_longer_the_more_of_its_cells_they_see():
         # Cells of the world's heights are those of its pixels at zoom 19.
         cell_m = 2.0 * math.pi * WGS84.a_m * math.cos(math.radians(35.0)) / 256.0 / 2.0**19
         cells.append(4.0 * tan_x * tan_y * agl_m**2 / cell_m**2)
-    added = (cells[1] - cells[0]) * costs.trace_s_per_cell
+    added = (cells[1] - cells[0]) * costs.trace_s_per_cell / (3.0 if uses_numba() else 1.0)
     assert seconds[1] - seconds[0] == pytest.approx(added, rel=0.02)
     assert added > seconds[0] / 3.0
+
+
+def test_mosaics_take_the_time_of_the_pixels_that_they_read_and_make(tmp_path):
+    from terrainav.core.capture.runner import capture
+    from terrainav.core.imagery.opening import named_source
+    from terrainav.core.mosaic.orthomosaic import make_orthomosaic
+
+    one_a_px = replace(OFFLINE, mosaic_s_per_px=0.0, orthomosaic_s_per_px=1.0, orthomosaic_trace_s_per_px=0.0)
+    small = Mission(Box(35.14, -89.87, 35.138, -89.868), 120.0, source="world", zoom=16)
+    for number, options in enumerate(({"yaw_deg": 30.0}, {"tilt_deg": 30.0}, {"yaw_deg": 10.0, "overlap_along": 0.8})):
+        made = plan(small.replace(**options), PixelGrid())
+        capture(made, named_source("world").open(), tmp_path / str(number))
+        mosaic = make_orthomosaic(tmp_path / str(number))
+        assert mosaic_s(made, one_a_px, cores=1) == pytest.approx(mosaic.width_px * mosaic.height_px, rel=0.05)
+    # Of map frames the images are read, of each map type; nothing is made anew.
+    costs = replace(one_a_px, mosaic_s_per_px=1.0)
+    level = plan(small.replace(map_types=("satellite", "roadmap")), PixelGrid())
+    pixels = float((level.frames.width_px * level.frames.height_px).sum())
+    assert mosaic_s(level, costs, cores=1) == 2.0 * pixels
+    assert mosaic_s(level, costs, cores=4) == pixels / 2.0
+    # A camera that sees the horizon has no endless mosaic, and the largest one is limited.
+    flat = plan(small.replace(tilt_deg=85.0), PixelGrid())
+    assert 0.0 < mosaic_s(flat, one_a_px, cores=1) < 1e8
+    assert mosaic_s(plan(Mission(AGRICENTER, 30.0, yaw_deg=5.0, image_px=4000), PixelGrid()), one_a_px, 1) == 1 << 28
 
 
 def test_points_have_no_area():

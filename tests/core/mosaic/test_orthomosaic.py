@@ -385,7 +385,7 @@ def test_a_mosaic_that_is_stopped_leaves_nothing(tmp_path):
 def test_a_mosaic_is_the_same_however_its_threads_run(tmp_path, monkeypatch):
     captured(tmp_path / "set", yaw_deg=33.0)
     make_orthomosaic(tmp_path / "set", tmp_path / "many.tif", gsd_m=0.5)
-    monkeypatch.setattr("terrainav.core.mosaic.orthomosaic._MOST_THREADS", 1)
+    monkeypatch.setattr("terrainav.core.mosaic.orthomosaic.ORTHOMOSAIC_THREADS", 1)
     monkeypatch.setattr("terrainav.core.mosaic.orthomosaic._KEPT_BYTES", 0)
     make_orthomosaic(tmp_path / "set", tmp_path / "one.tif", gsd_m=0.5)
     assert (tmp_path / "many.tif").read_bytes() == (tmp_path / "one.tif").read_bytes()
