@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple, Union
 
@@ -290,20 +291,29 @@ def common_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipso
     return Sides(*left_bottom[:, np.newaxis], *right_top[:, np.newaxis])
 
 
-def image_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84) -> Sides:
+def image_sides(
+    camera: Camera,
+    poses: Poses,
+    plane: RowsPlane,
+    ground: Ellipsoid = WGS84,
+    most_m: tuple[float, float] = (math.inf, math.inf),
+) -> Sides:
     """Sides of the largest rectangle inside each image about its centre, in the plane, (n,).
 
-    Empty if part of an image shows no ground.
+    With ``most_m``, a width and height, rectangles have its proportions, and are at most as large. Empty if part of an
+    image shows no ground.
     """
     count = len(poses.lat_deg)
     if count > _BATCH:
         parts = [
-            image_sides(camera, Poses(*(p[i : i + _BATCH] for p in poses)), plane, ground)
+            image_sides(camera, Poses(*(p[i : i + _BATCH] for p in poses)), plane, ground, most_m)
             for i in range(0, count, _BATCH)
         ]
         return Sides(*(np.concatenate(sides) for sides in zip(*parts)))
     rings, centres, whole = image_rings(camera, poses, plane, ground)
     half = np.stack(_half_sizes(rings - centres[:, np.newaxis]), axis=-1) - NOISE_M - _sag(rings)[:, np.newaxis]
+    if math.isfinite(most_m[0]):
+        half = np.broadcast_to(np.array(most_m) / 2.0, half.shape)
     half = np.where(whole[:, np.newaxis], np.maximum(half, 0.0), 0.0)
 
     def fits(share: Floats) -> Flags:

@@ -270,8 +270,8 @@ class Attitude(CheckedFields):
     random_yaw: bool = declared(
         False,
         title="random yaw",
-        help="each image of an area has a yaw at random, by the seed, and rows along parallels are as close as that "
-        "takes; not for tilted cameras, nor for points, which state their yaws",
+        help="each image of an area has a yaw at random, by the seed, and rows are as close as that takes; not for "
+        "tilted cameras, nor for points, which state their yaws",
         advanced=True,
     )
 

@@ -13805,8 +13805,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>each image of an area has a yaw at random, by the seed, and rows along parallels are as close as that takes; not for tilted cameras, nor for points, which state their yaws</source>
-        <translation>cada imagen de un área tiene una guiñada al azar, según la semilla, y las pasadas a lo largo de paralelos están tan juntas como haga falta; no para cámaras inclinadas ni para puntos, que indican sus guiñadas</translation>
+        <source>each image of an area has a yaw at random, by the seed, and rows are as close as that takes; not for tilted cameras, nor for points, which state their yaws</source>
+        <translation>cada imagen de un área tiene una guiñada al azar, según la semilla, y las pasadas están tan juntas como haga falta; no para cámaras inclinadas ni para puntos, que indican sus guiñadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

@@ -245,7 +245,8 @@ class RandomDialog(QDialog):
         self.tilt = spin(
             "most_tilt", 0.0, 90.0, tilt.unit.decimals, tilt.unit.suffix, tr("Maximum tilt; the minimum is 0")
         )
-        for box, value in ((self.low, 80.0), (self.high, 150.0), (self.tilt, 0.0)):
+        # As entered in the panel, until another range is chosen.
+        for box, value in ((self.low, state.agl_m), (self.high, state.agl_m), (self.tilt, 0.0)):
             box.setValue(value)
         form.addRow(tr("&Height above ground, from and to"), row(self.low, self.high))
         form.addRow(tr("&Tilt up to"), self.tilt)

@@ -105,7 +105,10 @@ def test_orbit_is_around_the_point_that_is_clicked(desk, layers, screenshot):
 def test_random_poses_are_inside_the_area(desk, layers, screenshot):
     desk.enter_box("46.91", "7.40", "46.90", "7.42")
     dialog = dialog_of(desk, "random")
+    assert dialog.low.value() == dialog.high.value() == desk.session.state().agl_m
     dialog.count.setValue(40)
+    dialog.low.setValue(80.0)
+    dialog.high.setValue(150.0)
     dialog.tilt.setValue(15.0)
     screenshot("pattern-random", dialog)
     found = entered_after(desk, dialog)
@@ -125,6 +128,12 @@ def test_random_poses_within_the_imagery_see_no_ground_beyond_it(desk, layers, t
     dataset.FlushCache()
     desk.enter_box("46.91", "7.40", "46.90", "7.42")
     desk.form.set_state(replace(desk.session.state(), source=str(path)))
+    dialog = dialog_of(desk, "random")
+    dialog.count.setValue(30)
+    entered_after(desk, dialog)
+    desk.wait_planned()
+    assert "reach beyond it" in desk.dock.figures.warnings.text()
+    desk.enter_box("46.91", "7.40", "46.90", "7.42")
     dialog = dialog_of(desk, "random")
     dialog.count.setValue(30)
     dialog.inside.setChecked(True)

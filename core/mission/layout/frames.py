@@ -18,7 +18,6 @@ from ..mission import Mission
 from ..relief.ground import Flown, Relief
 from .coverage import Rectangles, unique_tiles
 from .rotated import Pass, inner_rectangles, rotated_rectangles
-from .rows import turns_at_random
 
 #: First captures of runs of poses, (k,), and the run of each, (n,): see `Poses.runs`.
 Runs = tuple[NDArray[np.intp], NDArray[np.intp]]
@@ -298,7 +297,7 @@ class CameraFrames:
 
     def rectangles(self, plan: FramedPlan, part: Pass, at: slice) -> Rectangles:
         """Rectangles of ground inside the pictures of a pass, in the plane of its rows."""
-        poses, moved = plan.poses, plan.nominal is not None or plan.flown is not None or turns_at_random(plan.mission)
+        poses, moved = plan.poses, plan.nominal is not None or plan.flown is not None
         if plan.flown is not None:
             # From this height, cameras see as much level ground as they at least see of the relief.
             poses = poses._replace(agl_m=plan.flown.seen_agl_m)

@@ -51,6 +51,8 @@ from .rows import (
     refuse_beyond_mercator,
     refuse_no_step,
     refuse_too_many,
+    row_yaws_deg,
+    turns_at_random,
 )
 
 #: Greatest distance from the middle of a plane: there the plane enlarges by 0.6 %, and needs 0.6 % more images.
@@ -398,7 +400,15 @@ def _common(mission: Mission, shape: PlaneArea, plane: RowsPlane, ground: Ellips
     x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, count) for end in ends)))
     poses = _posed(mission, plane, x, y, is_back)
     rings, _, whole = image_rings(mission.camera, poses, plane, ground)
-    common = common_sides(mission.camera, poses, plane, ground)
+    if turns_at_random(mission):
+        yaws = np.array(row_yaws_deg(mission))
+        turned = Poses(*(np.repeat(values, len(yaws)) for values in poses))._replace(yaw_deg=np.tile(yaws, len(x)))
+        sides = common_sides(mission.camera, turned, plane, ground)
+        # At a yaw between two of these, a corner comes nearer to an image's edge by the cosine of half their distance.
+        between = math.cos(math.pi / len(yaws))
+        common = Sides(*(side * between for side in sides))
+    else:
+        common = common_sides(mission.camera, poses, plane, ground)
     # Between the places a curve deviates from its chord by an eighth of the second difference.
     lattice = rings.reshape(count, count, -1)
     bend = max(float(np.abs(np.diff(lattice, n=2, axis=axis)).max()) for axis in (0, 1)) / 4.0
@@ -438,6 +448,10 @@ def rotated_rectangles(
     mission: Mission, part: Pass, poses: Poses, row: Numbers, ground: Ellipsoid, moved: bool
 ) -> Rectangles:
     """Rectangles that images of a pass show, in its plane; measured one by one if captures have ``moved``."""
+    if moved and turns_at_random(mission):
+        # The largest rectangles of images at other yaws may not hold the common one; 2 % more, to be rounded down.
+        width, height = (1.02 * float(size[0]) for size in part.sides.size_m)
+        return _rounded(image_sides(mission.camera, poses, part.plane, ground, (width, height)), part.sides.size_m)
     if moved:
         return _rounded(image_sides(mission.camera, poses, part.plane, ground), part.sides.size_m)
     x, y = part.plane.forward(poses.lat_deg, poses.lon_deg)
