@@ -3142,6 +3142,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/map/mission_group.py"/>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>mission</source>
         <translation>misión</translation>
     </message>
@@ -6735,6 +6736,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Further missions of the plan's file</source>
+        <translation>Otras misiones del archivo del plan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Give the area as an extent, as a layer of polygons or of points, or as coordinates.</source>
         <translation>Dar el área como extensión, como capa de polígonos o de puntos, o como coordenadas.</translation>
     </message>
@@ -6767,6 +6773,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Mission as a file</source>
         <translation>Misión como archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Mission files that one flight serves after this mission, in their order, with safe transits between them. Layers and numbers are of this mission alone.</source>
+        <translation>Archivos de misión que un mismo vuelo atiende después de esta misión, en su orden, con tránsitos seguros entre ellas. Las capas y los números son solo de esta misión.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6822,6 +6833,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Zoom of the plan</source>
         <translation>Zoom del plan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>further missions: need the plan as a file</source>
+        <translation>otras misiones: requieren el plan como archivo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
@@ -17,10 +18,12 @@ from qgis.core import (
     QgsProcessingFeedback,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFileDestination,
+    QgsProcessingParameterMultipleLayers,
     QgsWkbTypes,
 )
 from qgis.PyQt.QtCore import QDateTime, Qt
 
+from ...core.errors import InvalidInput
 from ...core.mission.parts import ALIGNMENTS
 from ..compat import field
 from ..i18n import tr, translate
@@ -109,11 +112,20 @@ class PlanAlgorithm(Algorithm):
         ):
             file = QgsProcessingParameterFileDestination(name, title, ending, optional=True, createByDefault=False)
             self.addParameter(file)
+        self.add(
+            QgsProcessingParameterMultipleLayers(
+                "FURTHER_MISSIONS", tr("Further missions of the plan's file"), kinds.TypeFile, optional=True
+            ),
+            tr(
+                "Mission files that one flight serves after this mission, in their order, with safe transits between "
+                "them. Layers and numbers are of this mission alone."
+            ),
+        )
         self.add_numbers(_figures())
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Read the mission, and the pixel grid of project layers."""
-        from ..sources import grid_finders
+        from ..sources import grid_finder, grid_finders
 
         self._mission = read_mission(run)
         self._align = run.choice("ALIGN") if run.is_given("ALIGN") else None
@@ -123,6 +135,12 @@ class PlanAlgorithm(Algorithm):
             from ...core.mission.export import check_plan_ending
 
             check_plan_ending(self._export)
+        files = [*filter(None, self.parameterAsFileList(run.parameters, "FURTHER_MISSIONS", run.context))]
+        if files and not self._export:
+            raise InvalidInput(tr("further missions: need the plan as a file"))
+        self._further = [_first_imagery(path) for path in files]
+        self._further_grids = [grid_finder(mission) for mission in self._further]
+        self._names = [tr("mission"), *(Path(path).stem for path in files)]
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Plan, and write the requested outputs."""
@@ -139,6 +157,7 @@ class PlanAlgorithm(Algorithm):
                 name: estimate(one, request_costs(one.mission.imagery.source), connections, os.cpu_count() or 1)
                 for name, one in plans.by_imagery.items()
             }
+            self._flight = self._joined(plans.first) if self._further and self._export else plans.first
             # All have the footprints and the flight of the first.
             return plans.first, summary_of_all(summaries)
 
@@ -163,8 +182,16 @@ class PlanAlgorithm(Algorithm):
                 raise QgsProcessingException(self.invalidSinkError(run.parameters, name))
             fill(sink, found(worked_out), len(worked_out), run.feedback)
             del sink
-        self._write_files(worked_out, run, results)
+        self._write_files(run, results)
         return results
+
+    def _joined(self, first: Plan) -> Plan:
+        """Flight of the mission and the further ones."""
+        from ...core.mission.flight.joined import join_plans
+        from ..sources import mission_heights, plan_mission
+
+        further = [plan_mission(mission, grid) for mission, grid in zip(self._further, self._further_grids)]
+        return join_plans([first, *further], self._names, mission_heights(first.mission))
 
     def _aligned(self, watch: WorkFeedback) -> Mission:
         """Align the rows of the mission as requested, and report the gain."""
@@ -181,7 +208,7 @@ class PlanAlgorithm(Algorithm):
         watch.say(translate(found.text()))
         return self._mission.replace(row_azimuth_deg=found.azimuth_deg)
 
-    def _write_files(self, worked_out: PlanAlgorithm, run: AlgorithmRun, results: dict[str, Any]) -> None:
+    def _write_files(self, run: AlgorithmRun, results: dict[str, Any]) -> None:
         from ...core.mission.export import write_plan
 
         path = self.parameterAsFileOutput(run.parameters, "MISSION_FILE", run.context)
@@ -189,13 +216,21 @@ class PlanAlgorithm(Algorithm):
             self._mission.save(path)
             results["MISSION_FILE"] = path
         if self._export:
-            exported = write_plan(worked_out, self._export)
+            exported = write_plan(self._flight, self._export)
             for file in exported.files:
                 run.feedback.pushInfo(tr("Written: {file}").format(file=file))
             for note in exported.notes:
                 run.feedback.pushInfo(translate(note))
             # The first file, as a flight too long for one file is divided among several.
             results["EXPORT"] = str(exported.files[0])
+
+
+def _first_imagery(path: str) -> Mission:
+    """Mission of a file; of several imageries, which share one flight, with the first."""
+    from ...core.mission.mission import Mission
+
+    mission = Mission.load(path)
+    return next(iter(mission.missions_by_imagery.values()), mission)
 
 
 def capture_fields() -> QgsFields:

@@ -212,6 +212,19 @@ def test_an_empty_output_is_not_asked_for(tmp_path, empty):
     assert results["IMAGES"] == len(planned(Mission(BOX, 200.0)))
 
 
+def test_further_missions_are_in_the_file_of_the_plan(tmp_path):
+    mission = Mission(BOX, 200.0)
+    mission.replace(agl_m=150.0, airspeed_m_per_s=7.0).save(tmp_path / "low.json")
+    file = tmp_path / "flight.csv"
+    results = run(
+        "plan", EXTENT=EXTENT, AGL=200, EXPORT=str(file), FURTHER_MISSIONS=[str(tmp_path / "low.json")], FOOTPRINTS=None
+    )
+    low = planned(mission.replace(agl_m=150.0))
+    rows = file.read_text().splitlines()[1:]
+    assert results["IMAGES"] == len(planned(mission))
+    assert [row.partition(",")[0] for row in rows] == [*planned(mission).names, *low.names]
+
+
 def test_plan_gives_what_the_core_plans(tmp_path):
     mission = Mission(BOX, 200.0, overlap_along=0.2, overlap_across=0.1, facing="north", start="2024-06-21T10:30:00Z")
     expected = planned(mission)
@@ -516,6 +529,10 @@ def test_coordinates_without_a_height_take_that_of_the_parameter():
         ({"EXTENT": EXTENT, "MAX_IMAGES": 2, "AGL": 50}, "2"),
         ({"EXTENT": EXTENT, "EXPORT": "/tmp/plan.doc"}, "must end in"),
         ({"MISSION": "/nowhere/mission.json"}, "/nowhere/mission.json"),
+        (
+            {"EXTENT": EXTENT, "FURTHER_MISSIONS": ["/nowhere/mission.json"]},
+            "further missions: need the plan as a file",
+        ),
     ],
 )
 def test_bad_input_gives_one_line(parameters, words):
