@@ -58,7 +58,8 @@ from ..core.text.plain import shortened
 from .i18n import localized, plain_number, tr
 from .plain import plain_label, shown_plain
 
-#: Vermillion of the Okabe-Ito palette: readable on light and dark themes, distinct to colour-blind people.
+#: Vermillion of the Okabe-Ito palette: seen on light and dark themes, distinct to colour-blind people. Texts keep the
+#: theme's colour: on a grey theme, no other has the contrast to be read.
 WRONG_COLOUR = "#D55E00"
 _WRONG = "terrainavWrong"
 #: Property of entries that have a label for their message.
@@ -68,7 +69,7 @@ QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
     border: 2px solid {WRONG_COLOUR};
     border-radius: 3px;
 }}
-QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
+QLabel[terrainavMark="true"] {{ border-left: 3px solid {WRONG_COLOUR}; padding-left: 4px; }}
 QLabel[terrainavMark="true"]:disabled {{ color: palette(mid); }}
 """
 #: Text of a formula that a number entry evaluates.

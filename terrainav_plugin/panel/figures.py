@@ -229,7 +229,9 @@ class TextScroll(QScrollArea):
 
     def _text_height(self) -> int:
         layout = self.widget().layout()
-        return layout.totalHeightForWidth(max(self.viewport().width(), layout.minimumSize().width()))
+        # Dark themes of QGIS give it a frame.
+        frame = 2 * self.frameWidth()
+        return frame + layout.totalHeightForWidth(max(self.viewport().width(), layout.minimumSize().width()))
 
 
 @dataclass(frozen=True)

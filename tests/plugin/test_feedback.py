@@ -7,6 +7,7 @@ import threading
 import pytest
 from qgis.core import QgsApplication, QgsProject, QgsRasterLayer, QgsSettings
 from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QApplication, QLabel, QScrollArea
 from terrainav.core.errors import InvalidInput, Message
 from terrainav.terrainav_plugin import planner
 from terrainav.terrainav_plugin.i18n import translate
@@ -190,3 +191,26 @@ def test_the_links_beside_the_size_do_what_they_say(desk):
     assert planned.summary.width_px == pytest.approx(640, rel=0.01)
     assert "of\N{NO-BREAK SPACE}640" not in line.text()
     assert "<a " not in line.text()
+
+
+@pytest.mark.parametrize("theme", ["default", "Night Mapping", "Blend of Gray"])
+def test_messages_are_read_whole_in_every_theme(desk, theme):
+    """In the theme's colour of texts, with a mark of their own, and without a scroll bar."""
+    application, usual = QApplication.instance(), QgsApplication.themeName()
+    palette, sheet = application.palette(), application.styleSheet()
+    QgsApplication.setUITheme(theme)
+    try:
+        desk.enter_small_mission()
+        desk.form.edges["north"].setText("abc")
+        desk.wait(lambda: bool(desk.message("north")))
+        label = desk.form.findChild(QLabel, "north_message")
+        desk.wait_steady(label.height)
+        plain = QLabel("abc", label.parentWidget())
+        plain.ensurePolished()
+        assert label.palette().windowText().color() == plain.palette().windowText().color()
+        scroll = desk.dock.figures.findChild(QScrollArea)
+        desk.wait(lambda: scroll.verticalScrollBar().maximum() == 0)
+    finally:
+        QgsApplication.setUITheme(usual)
+        application.setPalette(palette)
+        application.setStyleSheet(sheet)
