@@ -288,9 +288,9 @@ class CleanTab(QWidget):
         line = QHBoxLayout()
         label = QLabel(tr("&Threshold"))
         label.setBuddy(self.threshold)
-        for widget in (label, self.threshold, self.suggest):
-            line.addWidget(widget)
-        line.addStretch(1)
+        line.addWidget(label)
+        line.addWidget(self.threshold, 1)
+        line.addWidget(self.suggest)
         line.addWidget(self.save)
         actions = QHBoxLayout()
         actions.addStretch(1)

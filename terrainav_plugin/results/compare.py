@@ -304,5 +304,5 @@ class CompareBar(QgsDockWidget):
         layout.addLayout(images)
         layout.addLayout(buttons)
         # The map keeps all other room.
-        contents.setMaximumHeight(2 * contents.sizeHint().height())
+        contents.setMaximumHeight(contents.sizeHint().height())
         return contents
