@@ -133,6 +133,9 @@ class Endings(QObject):
         # In reverse, as each is inserted above the others, and the first one must be on top.
         for opened in reversed(run.task.opened):
             show_results(self._open_project.mission_group(opened.folder), opened, changed=changed)
+        if run.mission.imagery.imageries:
+            # The group around those of the imageries.
+            self._open_project.mission_group(run.folder).remember_mission(run.mission.to_json())
         # A complete set of images replaces the plan on the map; after a stop, the plan still shows what is missing.
         if run.stage is not Stage.STOPPED:
             self.shown.emit(run.folder)

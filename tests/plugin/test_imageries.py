@@ -12,6 +12,7 @@ from qgis.PyQt.QtCore import Qt, QTimer
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QLineEdit, QMessageBox
 from terrainav.core.dataset.dataset import read_dataset
+from terrainav.core.dataset.table import image_parts
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.capture.run import row_text
 from terrainav.terrainav_plugin.form.mission_form import mission, mission_state
@@ -302,8 +303,36 @@ def test_two_imageries_are_compared_and_viewed(two):
     desk.wait(lambda: bool(desk.session.runs.runs))
     desk.wait_for_run()
     desk.session.compare.open()
-    dialog = desk.session.compare.dialog
-    assert len(set(dialog.pair())) == 2
-    texts = [dialog.boxes[0].itemText(at) for at in range(dialog.boxes[0].count())]
+    bar = desk.session.compare.bar
+    assert len(set(bar.pair())) == 2
+    texts = [bar.boxes[0].itemText(at) for at in range(bar.boxes[0].count())]
     desk.session.compare.close()
     assert texts == ["TerrAInav: world: Satellite images", "TerrAInav: world-roadmap: Roadmap images"]
+    # The dataset of the whole capture opens in its window, which divides both alike.
+    desk.session.datasets.open(desk.folder, "split")
+    tab = desk.session.datasets.tabs["split"]
+    desk.wait(tab.split.isEnabled)
+    desk.choose(tab.how, "shuffled")
+    desk.click(tab.split)
+    desk.wait(lambda: tab.undo.isEnabled() and not desk.session.datasets.busy)
+    parts = [image_parts(one.table) for one in read_dataset(desk.folder).image_sets.values()]
+    assert parts[0] == parts[1]
+    assert set(parts[0]) == {"train", "validation", "test"}
+
+
+def test_a_project_keeps_its_imageries(two, tmp_path):
+    desk = two
+    planned = desk.wait_planned()
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    desk.click(desk.dock.capture)
+    desk.wait(lambda: bool(desk.session.runs.runs))
+    desk.wait_for_run()
+    file = str(tmp_path / "project.qgs")
+    assert QgsProject.instance().write(file)
+    desk.iface.newProject(False)
+    desk.form.set_state(replace(desk.session.state(), imageries=(), imagery_name=""))
+    desk.iface.addProject(file)
+    desk.wait(lambda: bool(desk.session.state().imageries))
+    assert desk.wait_planned().mission == planned.mission
+    assert [name for name, _, _ in rows(desk)] == ["world", "world-roadmap"]
