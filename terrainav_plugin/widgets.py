@@ -69,7 +69,7 @@ QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
     border: 2px solid {WRONG_COLOUR};
     border-radius: 3px;
 }}
-QLabel[terrainavMark="true"] {{ border-left: 3px solid {WRONG_COLOUR}; padding-left: 4px; }}
+QLabel[terrainavMark="true"] {{ border: none; border-left: 3px solid {WRONG_COLOUR}; padding-left: 4px; }}
 QLabel[terrainavMark="true"]:disabled {{ color: palette(mid); }}
 """
 #: Text of a formula that a number entry evaluates.

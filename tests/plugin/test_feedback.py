@@ -208,6 +208,7 @@ def test_messages_are_read_whole_in_every_theme(desk, theme):
         plain = QLabel("abc", label.parentWidget())
         plain.ensurePolished()
         assert label.palette().windowText().color() == plain.palette().windowText().color()
+        assert label.grab().toImage().pixelColor(1, label.height() // 2).name().upper() == WRONG_COLOUR
         scroll = desk.dock.figures.findChild(QScrollArea)
         desk.wait(lambda: scroll.verticalScrollBar().maximum() == 0)
     finally:
