@@ -16,6 +16,7 @@ from qgis.core import (
     QgsExpressionContext,
     QgsExpressionContextUtils,
     QgsProcessingContext,
+    QgsProcessingException,
     QgsProject,
     QgsRasterLayer,
 )
@@ -146,7 +147,7 @@ def test_queries_beyond_a_raster_are_left_out_where_that_is_asked_for(made, miss
 
 
 def test_imagery_without_a_name_is_called_as_its_source(mission_file, tmp_path):
-    asked = {"MISSION": mission_file, "QUERIES": "Synthetic (offline)", "REFERENCE": "world"}
+    asked = {"MISSION": mission_file, "QUERIES": "Synthetic (offline)", "REFERENCE": "world", "SPLIT": "none"}
     feedback = Feedback()
     run("makebenchmark", feedback, **asked, FOLDER=str(tmp_path / "out"), DRY_RUN=True)
     assert [line.partition(":")[0] for line in feedback.lines if line.startswith("queries/")] == [
@@ -158,8 +159,11 @@ def test_without_imagery_queries_are_those_of_the_mission(tmp_path):
     file = tmp_path / "mission.json"
     MISSION.replace(map_types=("satellite", "roadmap")).save(str(file))
     asked = {"MISSION": str(file), "REFERENCE": "air=world", "FOLDER": str(tmp_path / "out")}
+    # Four images are too few for parts that share no ground, which is told at once.
+    with pytest.raises(QgsProcessingException, match=r"take an area [0-9,]+ m long or more, or split same-area"):
+        run("makebenchmark", Feedback(), **asked, DRY_RUN=True)
     feedback = Feedback()
-    run("makebenchmark", feedback, **asked, DRY_RUN=True)
+    run("makebenchmark", feedback, **asked, SPLIT="none", DRY_RUN=True)
     assert [line.partition(":")[0] for line in feedback.lines if line.startswith("queries/")] == [
         "queries/satellite",
         "queries/roadmap",
