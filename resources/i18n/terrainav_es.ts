@@ -3927,7 +3927,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/panel/planning.py"/>
         <source>Fix the highlighted fields.</source>
         <translation>Corrija los campos resaltados.</translation>
     </message>
@@ -6926,9 +6925,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/profile/chart.py"/>
-        <source>Click: show the place on the map. Wheel: zoom. Drag: pan. Double click: whole flight.
+        <source>A click shows the place on the map, the wheel zooms, dragging pans, and a double click shows the whole flight.
 Arrow keys move the cursor, Page keys from image to image, Enter shows the place, + and - zoom, Esc shows the whole flight.</source>
-        <translation>Clic: mostrar el lugar en el mapa. Rueda: zoom. Arrastrar: desplazar. Doble clic: todo el vuelo.
+        <translation>Un clic muestra el lugar en el mapa, la rueda cambia el zoom, arrastrar desplaza y un doble clic muestra todo el vuelo.
 Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestra el lugar; + y - cambian el zoom; Esc muestra todo el vuelo.</translation>
     </message>
     <message>

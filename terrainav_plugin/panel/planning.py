@@ -221,7 +221,7 @@ class Planning(QObject):
     def _show_problem(self, text: str) -> None:
         """Show why there are no figures; an empty text refers to the marked fields."""
         self._dock.show_problem(text)
-        self.unplanned.emit(text or tr("Fix the highlighted fields."))
+        self.unplanned.emit(text or self._form.marks.first_message())
 
     def _show_refused(self, error: Exception) -> None:
         self.latest = None

@@ -72,7 +72,8 @@ class ProfileChart(QWidget):
         self.setAccessibleName(tr("Height profile"))
         self.setToolTip(
             tr(
-                "Click: show the place on the map. Wheel: zoom. Drag: pan. Double click: whole flight.\n"
+                "A click shows the place on the map, the wheel zooms, dragging pans, and a double click shows the "
+                "whole flight.\n"
                 "Arrow keys move the cursor, Page keys from image to image, Enter shows the place, + and - zoom, "
                 "Esc shows the whole flight."
             )

@@ -379,6 +379,18 @@ def _no_area(case: Case) -> None:
     case.follow("enter coordinates", enter)
 
 
+@remedy("session.py", "show the selected imagery")
+def _empty_map_with_area(case: Case) -> None:
+    case.fixture("small_pictures")
+    desk = case.fixture("desk")
+    desk.enter_box(**SMALL_BOX)
+    case.says(desk.dock.hint.text().replace("</a>", "").replace(">", ">\n").replace(", or add", "\n"))
+    follow_hint(desk)
+    desk.wait_for_tasks()
+    case.follow("show the selected imagery", lambda: desk.wait(lambda: bool(QgsProject.instance().mapLayers())))
+    assert desk.canvas.mapTool() is not desk.session.box_tool
+
+
 @remedy("session.py", "show the selected imagery and draw a box")
 def _empty_map(case: Case) -> None:
     case.fixture("small_pictures")

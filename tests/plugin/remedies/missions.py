@@ -278,7 +278,7 @@ def _stopped(case: Case) -> None:
             result = run("capture", **asked, FOLDER=str(folder))
             return result["SKIPPED"] == first["WRITTEN"] and result["WRITTEN"] + result["SKIPPED"] == result["TOTAL"]
 
-        case.follow("run it again to go on.", again)
+        case.follow(f"Enter {folder} as the folder, and run it again to go on.", again)
 
 
 @remedy(
