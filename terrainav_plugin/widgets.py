@@ -133,6 +133,13 @@ def scrolled(contents: QWidget) -> QScrollArea:
     return scroll
 
 
+def pass_focus(holder: QWidget, to: QWidget) -> None:
+    """Let a holder that a label's letter leads to pass the keyboard on; Tab skips it."""
+    # Qt leads only to what takes the focus, and would pass a later policy on as well.
+    holder.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    holder.setFocusProxy(to)
+
+
 def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:
     """Widgets side by side; those with an index in ``stretch`` share the remaining room."""
     holder = QWidget()
@@ -141,7 +148,7 @@ def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:
     wide = (stretch,) if isinstance(stretch, int) else stretch
     for index, widget in enumerate(widgets):
         layout.addWidget(widget, 1 if index in wide else 0)
-    holder.setFocusProxy(widgets[0])
+    pass_focus(holder, widgets[0])
     return holder
 
 
@@ -279,8 +286,7 @@ def folder_entry(name: str, title: str, tip: str) -> QgsFileWidget:
     made = named(QgsFileWidget(), name, tip)
     made.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
     made.setDialogTitle(title)
-    # The mnemonic of a label moves the focus to the text entry.
-    made.setFocusProxy(made.lineEdit())
+    pass_focus(made, made.lineEdit())
     return made
 
 
@@ -609,10 +615,7 @@ class FieldMarks:
         layout.setSpacing(1)
         layout.addWidget(shown or widget)
         layout.addWidget(self.label(name, widget))
-        # Let the holder take the focus, as Qt requires for a label's mnemonic; Tab skips widgets with a proxy. Set the
-        # policy before the proxy, to which Qt would pass it on.
-        holder.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        holder.setFocusProxy(shown or widget)
+        pass_focus(holder, shown or widget)
         return holder
 
     def label(self, name: str, widget: QWidget) -> FieldMessage:

@@ -64,6 +64,7 @@ class Dock(QgsDockWidget):
     def assign_letters(self, menu_keys: set[str]) -> None:
         """Give buttons and entries letters; those of the window's menus only while the keyboard is in the panel."""
         self.letters = Letters(self.widget(), self.form.pages, self.form.sections, menu_keys)
+        self.visibilityChanged.connect(self.letters.hear)
 
     def event(self, event: QEvent) -> bool:
         """Take Alt with a letter of the panel before the window's menus."""

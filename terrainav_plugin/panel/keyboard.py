@@ -125,12 +125,15 @@ class Target:
         Underlines a letter of the text; takes the key, and whether a menu has the same letter.
     act : callable
         Goes there.
+    hear : callable
+        Lets Qt go there from everywhere in the window, or not; takes which.
     """
 
     part: QWidget
     text: str
     show: Callable[[str, bool], None]
     act: Callable[[], None]
+    hear: Callable[[bool], None]
 
     def letters(self) -> list[str]:
         """Letters of the text, the best first."""
@@ -189,6 +192,13 @@ class Letters(QObject):
                 target.show(key, key in self._menu_keys)
                 self.keys.append((target, key))
                 self._taken[id(target)] = key
+
+    def hear(self, heard: bool) -> None:
+        """Let Qt go where the letters lead, or not: a panel behind another one is still visible to Qt."""
+        for target, key in self.keys:
+            # Qt has no shortcuts for letters of menus.
+            if key not in self._menu_keys:
+                target.hear(heard)
 
     def override(self, event: QKeyEvent) -> bool:
         """Whether a key with Alt leads to a part of the panel that is seen; the press of the key then goes there."""
@@ -277,7 +287,7 @@ def _tab(bar: QTabBar, number: int) -> Target:
         bar.setCurrentIndex(number)
         bar.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
-    return Target(bar, text, lambda key, _shared: bar.setTabText(number, _with_letter(text, key)), act)
+    return Target(bar, text, lambda key, _shared: bar.setTabText(number, _with_letter(text, key)), act, bar.setEnabled)
 
 
 def _label(label: QLabel, buddy: QWidget) -> Target:
@@ -296,7 +306,10 @@ def _label(label: QLabel, buddy: QWidget) -> Target:
         if key not in plain.upper():
             _show_in_tip(buddy, key)
 
-    return Target(label, text, show, lambda: buddy.setFocus(Qt.FocusReason.ShortcutFocusReason))
+    def hear(heard: bool) -> None:
+        label.setBuddy(buddy if heard else None)
+
+    return Target(label, text, show, lambda: buddy.setFocus(Qt.FocusReason.ShortcutFocusReason), hear)
 
 
 def _button(button: QAbstractButton) -> Target:
@@ -318,7 +331,10 @@ def _button(button: QAbstractButton) -> Target:
         elif button.isEnabled():
             button.animateClick() if isinstance(button, QCheckBox) else button.click()
 
-    return Target(button, text, show, act)
+    def hear(heard: bool) -> None:
+        button.setShortcut(QKeySequence.mnemonic(button.text()) if heard else QKeySequence())
+
+    return Target(button, text, show, act, hear)
 
 
 def _with_letter(text: str, key: str) -> str:

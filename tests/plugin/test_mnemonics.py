@@ -152,6 +152,37 @@ def test_other_panels_have_free_letters_too(desk, iface):
         panel.setUserVisible(False)
 
 
+def test_letters_of_the_panel_rest_while_another_is_in_front_of_it(desk, window, iface):
+    """Qt takes a dock behind another one for visible, so its letters would lead into what nobody sees."""
+    texts = [button.text() for button in desk.dock.findChildren(QAbstractButton)]
+    shortcuts = [button.shortcut() for button in desk.dock.findChildren(QAbstractButton)]
+    keys = dict(seen_keys(desk))
+    desk.session.datasets.open()
+    panel = desk.session.datasets.window
+    try:
+        desk.wait(lambda: panel.isUserVisible() and not desk.dock.isUserVisible())
+        page = desk.form.pages.currentIndex()
+        for key, target in keys.items():
+            iface.mapCanvas().setFocus()
+            press_alt(window, key)
+            assert desk.form.pages.currentIndex() == page, key
+            assert not desk.dock.isAncestorOf(QApplication.focusWidget()), (key, target.text)
+            if QApplication.activePopupWidget() is not None:
+                QApplication.activePopupWidget().close()
+        iface.mapCanvas().setFocus()
+        press_alt(window, "F")
+        assert panel.folder.isAncestorOf(QApplication.focusWidget())
+    finally:
+        panel.setUserVisible(False)
+    desk.wait(desk.dock.isUserVisible)
+    assert [button.text() for button in desk.dock.findChildren(QAbstractButton)] == texts
+    assert [button.shortcut() for button in desk.dock.findChildren(QAbstractButton)] == shortcuts
+    iface.mapCanvas().setFocus()
+    tab = next(key for key, target in keys.items() if target.text.replace("&", "") == "Imagery")
+    press_alt(window, tab)
+    assert desk.form.pages.currentIndex() == 2
+
+
 def test_letters_that_a_plugin_s_menu_takes_are_given_back(qtbot):
     panel, menus = QWidget(), QMenuBar()
     qtbot.addWidget(panel)

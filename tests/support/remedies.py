@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 VERBS = frozenset(
     "add agree allow ask capture choose clean click close copy correct cut drag draw enter finish fix fly get give go "
     "have install leave make mend move name overlap pip plan press put raise remove rename repair resize resume run "
-    "say select set shorten show split start take tick tilt try use wait write".split()
+    "save say select set shorten show split start take tick tilt try use wait write".split()
 )
 #: First words of clauses that state the fault, or the condition that was not met.
 STATEMENTS = frozenset(
@@ -87,6 +87,8 @@ NO_ADVICE = frozenset(
         "TerrAInav: add source",
         "TerrAInav: clean dataset",
         "TerrAInav: remove source",
+        "TerrAInav: save height profile",
+        "TerrAInav: save mission",
         # Steps that are undone.
         "add a corner",
         "add a polygon",
