@@ -183,7 +183,8 @@ def _image_has_gone(case: Case) -> None:
 
 @pytest.fixture
 def cleaning(desk):
-    """The plugin's part that cleans; its window is closed at the end."""
+    """The plugin's part that cleans, whose tab is the current one; its window is closed at the end."""
+    desk.session.datasets.open(tab="clean")
     yield desk.session.datasets
     desk.wait(lambda: not desk.session.datasets.busy)
     desk.session.datasets.window.hide()
