@@ -25,7 +25,7 @@ DATASETS = {
     "parquet": "Parquet tables",
     "huggingface": "Hugging Face datasets",
     "croissant": "Croissant description",
-    "stac": "STAC items and collection",
+    "stac": "STAC collection",
 }
 BENCHMARKS = {
     "university-1652": "University-1652",

@@ -199,7 +199,8 @@ class ExportTab(Tab):
 
     def _lay_out(self) -> None:
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
+        # As narrow as the panel next to which the window is docked.
+        layout.setContentsMargins(4, 6, 4, 6)
         layout.addWidget(self.hint)
         for title, kinds in (
             (tr("Camera frames"), VIEWS),
@@ -208,7 +209,6 @@ class ExportTab(Tab):
         ):
             box = QGroupBox(title)
             grid = QGridLayout(box)
-            # As narrow as the panel next to which the window is docked.
             grid.setContentsMargins(4, 4, 4, 4)
             grid.setHorizontalSpacing(4)
             for at, (kind, words) in enumerate(kinds.items()):

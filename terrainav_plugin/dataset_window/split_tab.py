@@ -206,7 +206,11 @@ class SplitTab(Tab):
     def _lay_out(self) -> None:
         form = growing_form()
         title = titles()
-        _add(form, title["how"], self.how)
+        # Below each other, as the names of methods are long.
+        label = QLabel(title["how"])
+        label.setBuddy(self.how)
+        form.addRow(label)
+        form.addRow(self.how)
         shares = QGridLayout()
         for column, part in enumerate(PARTS):
             label = QLabel(title[part])

@@ -8,7 +8,7 @@ import pytest
 from qgis.PyQt import sip
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import QMenu
-from terrainav.terrainav_plugin.dataset_window.datasets import Datasets
+from terrainav.terrainav_plugin.dataset_window.datasets import TABS, Datasets
 from terrainav.terrainav_plugin.missions import missions as missions_module
 from terrainav.terrainav_plugin.results.viewing import Viewing
 
@@ -71,6 +71,21 @@ def test_a_window_is_docked_beside_the_map_and_low(desk, opener):
     assert desk.canvas.size() == canvas
     assert window.minimumSizeHint().height() < 250
     assert window.minimumSizeHint().width() <= desk.dock.minimumSizeHint().width()
+
+
+def test_tabs_of_a_dataset_are_not_wider_than_the_panel(desk, captured):
+    datasets = desk.session.datasets
+    narrowest = desk.dock.minimumSizeHint().width()
+    try:
+        for tab in TABS:
+            datasets.open(captured, tab)
+            desk.wait(lambda: not datasets.busy)
+            page = datasets.window.tabs.currentWidget()
+            around = datasets.window.width() - page.viewport().width()
+            assert page.widget().minimumSizeHint().width() + around <= narrowest, tab
+    finally:
+        datasets.open(tab=TABS[0])
+        datasets.window.setUserVisible(False)
 
 
 def test_a_window_comes_back_where_the_user_had_it(desk, opener):
