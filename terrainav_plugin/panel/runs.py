@@ -333,7 +333,8 @@ class RunRow(QFrame):
         self.bar.setVisible(underway)
         if actions != self._actions:
             self._actions = actions
-            self._fit_text(anew=True)
+            # While the run is under way, its buttons stay where they are: one press pauses, another resumes.
+            self._fit_text(anew=not underway)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fit the text to a new width."""

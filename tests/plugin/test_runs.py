@@ -432,6 +432,22 @@ def test_text_of_a_row_is_whole_beside_or_below_its_title(prepared, server, widt
     shown.deleteLater()
 
 
+def test_buttons_stay_in_place_while_a_capture_is_under_way():
+    shown = RunRow("mission")
+    shown.resize(330, 10)
+    shown.show()
+    shown.show_actions({RunRow.CANCEL, RunRow.PAUSE})
+    shown.show_progress(50.0, "34 of 68 images, 12 a second, 5 s left")
+    tall_px = shown.heightForWidth(330)
+    shown.show_progress(50.0, "Paused")
+    shown.show_actions({RunRow.CANCEL, RunRow.RESUME})
+    assert shown.heightForWidth(330) == tall_px
+    shown.show_progress(100.0, "Done")
+    shown.show_actions({RunRow.ZOOM}, underway=False)
+    assert shown.heightForWidth(330) < tall_px
+    shown.deleteLater()
+
+
 def test_run_taken_out_of_the_line_is_resumed(prepared, server):
     server.latency_s = SLOW_S
     first = press_capture(prepared)
