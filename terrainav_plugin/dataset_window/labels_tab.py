@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from qgis.PyQt.QtCore import QRect, QSignalBlocker, QSize, Qt
 from qgis.PyQt.QtGui import QImage, QPainter, QPaintEvent, QPixmap
-from qgis.PyQt.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+from qgis.PyQt.QtWidgets import QBoxLayout, QFrame, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from ...core.dataset.table import GAP
 from ..dataset.picture import Depth, legend_image
@@ -176,15 +176,18 @@ class Card(QFrame):
         beside.addWidget(self.depth_image)
         beside.addWidget(self.scale)
         beside.addStretch(1)
-        line = QHBoxLayout()
-        line.addWidget(self.image, 0, Qt.AlignmentFlag.AlignTop)
-        line.addLayout(beside)
-        line.addWidget(self.text, 1, Qt.AlignmentFlag.AlignTop)
+        pictures = QHBoxLayout()
+        pictures.addWidget(self.image, 0, Qt.AlignmentFlag.AlignTop)
+        pictures.addLayout(beside)
+        pictures.addStretch(1)
+        self._contents = QBoxLayout(QBoxLayout.Direction.LeftToRight)
+        self._contents.addLayout(pictures)
+        self._contents.addWidget(self.text, 1, Qt.AlignmentFlag.AlignTop)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(self.name)
-        layout.addLayout(line)
+        layout.addLayout(self._contents)
 
     def show_preview(self, preview: ImagePreview, is_split: bool) -> None:
         """Show an image of a dataset."""
@@ -193,6 +196,9 @@ class Card(QFrame):
         seen = depth is not None and depth.image is not None
         self.depth_image.setVisible(seen)
         self.scale.setVisible(seen)
+        # In the narrow dock, two pictures leave no room for the text beside them.
+        below, right = QBoxLayout.Direction.TopToBottom, QBoxLayout.Direction.LeftToRight
+        self._contents.setDirection(below if seen else right)
         if seen:
             self.depth_image.show_image(depth.image)
             self.scale.show_depth(depth)

@@ -112,9 +112,14 @@ class Viewer(QgsDockWidget):
         """Offer the images under a click."""
         self.under_click.clear()
         count = len(shots)
-        for number, shot in enumerate(shots):
-            text = tr("{number} of {count} here: {name}").format(number=number + 1, count=count, name=shot.name)
-            self.under_click.addItem(text)
+        names = [shot.name for shot in shots]
+        if len(set(names)) < count:
+            # Images of several imageries share their names: the folder tells which is which.
+            names = [f"{shot.footprints.folder.name}/{shot.name}" for shot in shots]
+        for number, name in enumerate(names):
+            self.under_click.addItem(
+                tr("{number} of {count} here: {name}").format(number=number + 1, count=count, name=name)
+            )
         self.under_click.setCurrentIndex(index)
         self.under_click.setVisible(count > 1)
 

@@ -275,6 +275,9 @@ def test_labels_and_depths_are_those_of_the_files(desk, window, dataset, screens
         assert shown[1] == pytest.approx(float(there.max()), rel=0.05)
         assert not card.image.pixmap().isNull()
         assert not card.depth_image.pixmap().isNull()
+        # Two pictures, and the text below them, as the dock beside the map is narrow.
+        assert card.minimumSizeHint().width() < 320
+        assert card.text.geometry().top() > card.image.geometry().bottom()
     screenshot("dataset-labels", window.window)
     # Further, and back; no further than there are images.
     desk.click(tab.next)

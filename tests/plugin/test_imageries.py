@@ -18,6 +18,7 @@ from terrainav.terrainav_plugin.capture.run import row_text
 from terrainav.terrainav_plugin.form.mission_form import mission, mission_state
 from terrainav.terrainav_plugin.form.state import FormState
 
+from tests.plugin.test_viewer import pixel_of
 from tests.support import rasters
 from tests.support.tileserver import TileServer
 
@@ -89,6 +90,20 @@ def test_two_map_types_are_captured_as_one(two, screenshot):
     assert "Satellite images" in layers
     assert "Roadmap images" in layers
     screenshot("imageries-map", desk.iface.mainWindow())
+    # A click finds an image of each, of one name.
+    viewing = desk.session.viewing
+    desk.plugin.actions["view_images"].trigger()
+    plan = planned.plan
+    desk.click_map(pixel_of(desk, plan.lat_deg[0], plan.lon_deg[0]))
+    desk.wait(lambda: viewing.seen is not None and not viewing.busy)
+    under_click = viewing.viewer.under_click
+    texts = [under_click.itemText(number) for number in range(under_click.count())]
+    assert texts == [
+        f"1 of 2 here: world/{plan.names[0]}",
+        f"2 of 2 here: world-roadmap/{plan.names[0]}",
+    ]
+    viewing.stop()
+    viewing.viewer.hide()
     # Pressed again, there is nothing left to do.
     desk.click(desk.dock.capture)
     desk.wait(lambda: desk.session.runs.runs[-1:] != [run])
