@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,15 +17,15 @@ from ...geodesy.camera import Poses
 from ...geodesy.footprint import Corners, Outline
 from ...geodesy.frames import Windows
 from ...geodesy.mercator import wrap_lon_deg
-from ...geodesy.projections import LocalPlane
 from ...text.ranges import ranges_text, read_ranges
 from ..areas.area import Box
 from ..estimate import duration_text, length_text
 from ..mission import Mission
 from ..parts import FIRST, Flight, Route, Terrain
 from ..plan import Plan
-from ..relief.ground import Flown, Heights, LevelGround, Relief, level_ground
-from .path import LANDING, TAKEOFF
+from ..profile import height_profile
+from ..relief.ground import Flown, Heights, Relief, level_ground
+from .legs import legs
 from .pilot import airborne_s, airborne_text, batteries, sorties_text
 
 #: Room around captures, degrees, so that the box of the whole flight has an area.
@@ -127,8 +127,8 @@ def join_plans(plans: Sequence[Plan], names: Sequence[str], heights: Heights | N
     """
     if len(plans) < 2:
         raise InvalidInput("one flight of several missions: needs two or more")
-    for plan, name in zip(plans[1:], names[1:]):
-        _refuse_differences(plans[0].mission, plan.mission, names[0], name)
+    for (one, name), (other, other_name) in combinations(zip(plans, names), 2):
+        _refuse_differences(one.mission, other.mission, name, other_name)
     lon_deg = float(plans[0].lon_deg[0])
     turns = [360.0 * round((lon_deg - float(plan.lon_deg[0])) / 360.0) for plan in plans]
     poses = _joined_poses([_turned(plan.poses, turn) for plan, turn in zip(plans, turns)])
@@ -320,23 +320,13 @@ def _transits_m(plan: JoinedPlan) -> float:
         last, first = at[joint - 1], at[joint]
         if path.sortie[last] == path.sortie[first]:
             way = slice(int(last), int(first) + 1)
-            plane = LocalPlane(float(path.lat_deg[last]), float(path.lon_deg[last]))
-            x, y = plane.forward(path.lat_deg[way], path.lon_deg[way])
-            found += float(np.hypot(np.diff(x), np.diff(y)).sum())
+            found += float(legs(path.lat_deg[way], path.lon_deg[way]).distance_m.sum())
     return found
 
 
 def _least_clearance_m(plan: JoinedPlan) -> float | None:
-    """Least height of the path above the relief within the clearance distance; None over level ground."""
-    if isinstance(plan.relief, LevelGround):
+    """Least clearance of the flight, as in its height profile; None over level ground."""
+    if plan.relief.is_level:
         return None
-    path, least = plan.path, math.inf
-    for number in range(path.sorties):
-        one = path.sortie_path(number)
-        air = np.flatnonzero((one.kind != TAKEOFF) & (one.kind != LANDING))
-        lat, lon, height = one.lat_deg[air], one.lon_deg[air], one.height_m[air]
-        ground = plan.relief.around(lat, lon, 0.0)
-        for below in ground.profiles(lat, lon, LocalPlane(float(lat[0]), float(lon[0]))):
-            line = height[below.leg] + below.share * (height[below.leg + 1] - height[below.leg])
-            least = min(least, float((line - below.highest_m).min()))
-    return least if math.isfinite(least) else None
+    profile = height_profile(plan)
+    return None if profile.lowest is None else float(profile.clearance_m[profile.lowest])

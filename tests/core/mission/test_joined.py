@@ -24,6 +24,7 @@ from terrainav.core.mission.flight.path import LANDING, TAKEOFF, TRANSIT  # noqa
 from terrainav.core.mission.flight.wind import Wind  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
+from terrainav.core.mission.profile import height_profile  # noqa: E402
 from terrainav.core.picture.heights import mission_heights  # noqa: E402
 
 from tests.core.mission.flown_reader import KML, Ground, least_clearance_m, legs_of  # noqa: E402
@@ -180,6 +181,8 @@ def test_transits_keep_clear_of_a_hill_in_every_file(hill, tmp_path, trigger):
     assert made.path.height_m[crossing].max() >= 160.0 + 30.0
     summary = summarize(made, NAMES)
     assert summary.clearance_m >= 20.0
+    profile = height_profile(made)
+    assert summary.clearance_m == profile.clearance_m[profile.lowest]
     lines = {str(label) for label, _ in summary.lines()}
     assert "least clearance" in lines
     if trigger == "distance":
@@ -289,6 +292,11 @@ def test_what_a_flight_has_in_common_is_named_in_one_line(changes, title):
     with pytest.raises(InvalidInput) as refused:
         joined(ONE.replace(takeoff=HOME), OTHER.replace(**changes))
     assert str(refused.value) == f"one flight of one and other: they differ in {title}, which a flight has in common"
+
+
+def test_later_missions_are_compared_with_each_other():
+    with pytest.raises(InvalidInput, match="one flight of other and third: they differ in take-off"):
+        joined(ONE, OTHER.replace(takeoff=HOME), OTHER.replace(takeoff=(47.39, 8.49)))
 
 
 def test_one_mission_is_no_flight_of_several():
