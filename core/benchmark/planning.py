@@ -236,7 +236,7 @@ def _check_parts(settings: BenchmarkSettings, queries: Plan, tiles: Mapping[floa
     wrong: InvalidInput | None = None
     try:
         part, _, _ = split_blocks(ground, named, shares, seed, gap_m=gap_m, counted=is_query)
-        if gap_m > 0.0 or part[: len(queries)].count(GAP) <= len(queries) / 2:
+        if gap_m > 0.0 or np.count_nonzero(np.array(part)[is_query] != GAP) >= len(queries) / 2:
             return
     except InvalidInput as refused:
         wrong = refused
