@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Floats
 from ..errors import Message, OptionName
 from ..external.compiling import uses_numba
 from ..geodesy.ellipsoid import WGS84
+from ..geodesy.mercator import wrap_lon_deg
 from .areas.area import Polygon, Polygons
 from .flight.pilot import (
     SpeedLimits,
@@ -421,9 +421,9 @@ def _orthomosaic_px(plan: Plan) -> tuple[float, float]:
     reach_m = math.tan(math.radians(ORTHOMOSAIC_DEG)) * plan.poses.agl_m[:, np.newaxis]
     # Metres a degree, to the east and to the north of each camera, and of the first one.
     scales = degree_m * math.cos(math.radians(float(np.median(plan.lat_deg)))), degree_m
-    places = _turned(plan.lon_deg - plan.lon_deg[0]), plan.lat_deg - plan.lat_deg[0]
+    places = wrap_lon_deg(plan.lon_deg - plan.lon_deg[0]), plan.lat_deg - plan.lat_deg[0]
     corners = (
-        _turned(plan.corners.lon_deg - plan.lon_deg[:, np.newaxis]),
+        wrap_lon_deg(plan.corners.lon_deg - plan.lon_deg[:, np.newaxis]),
         plan.corners.lat_deg - plan.lat_deg[:, np.newaxis],
     )
     (east, north), sides_m = (np.clip(at * scale, -reach_m, reach_m) for at, scale in zip(corners, scales)), []
@@ -436,11 +436,6 @@ def _orthomosaic_px(plan: Plan) -> tuple[float, float]:
     area_m2 = min(float(footprints_m2.sum()), sides_m[0] * sides_m[1])
     count_px = min(area_m2 / plan.resolution.picture_m_per_px**2, float(MOST_ORTHOMOSAIC_PX))
     return count_px, max(float(footprints_m2.sum()) / area_m2, 1.0)
-
-
-def _turned(lon_deg: Floats) -> Floats:
-    """Differences of longitude, within half a turn."""
-    return (lon_deg + 180.0) % 360.0 - 180.0
 
 
 def _trace_s(plan: Plan, costs: Costs) -> float:
