@@ -12,7 +12,7 @@ from ..fields import CheckedFields, declared, field_named
 from ..geodesy.vertical import check_vertical
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..map_types import ROADMAP, SATELLITE, TERRAIN
-from ..text.ranges import RANGES, ranges_text, read_ranges
+from ..text.ranges import RANGES, count, ranges_text, read_ranges
 from .imageries import NamedImagery, named_imageries
 
 if TYPE_CHECKING:
@@ -120,10 +120,10 @@ def _check_split_after(text: str) -> None:
         raise InvalidInput(
             "split after {0!r}: must be numbers of images such as 120,340", text, field="split_after"
         ) from wrong
-    count = sum(last - first + 1 for first, last in found)
-    if count >= MOST_SORTIES:
+    splits = count(found)
+    if splits >= MOST_SORTIES:
         raise InvalidInput(
-            "split after {0:,} images: a flight has at most {1:,} sorties", count, MOST_SORTIES, field="split_after"
+            "split after {0:,} images: a flight has at most {1:,} sorties", splits, MOST_SORTIES, field="split_after"
         )
 
 

@@ -39,6 +39,11 @@ def ranges_text(ranges: Iterable[tuple[int, int]]) -> str:
     return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in merged(ranges))
 
 
+def count(ranges: Iterable[tuple[int, int]]) -> int:
+    """Count the numbers in ranges that are apart from each other."""
+    return sum(last - first + 1 for first, last in ranges)
+
+
 def toggled(text: str, numbers: Iterable[int]) -> str:
     """Text of ranges with some numbers taken out if all of them are in it, and added otherwise."""
     asked, ranges = sorted(set(numbers)), read_ranges(text)

@@ -11,7 +11,8 @@ from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsRubberBand
 from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor
 
-from ...core.text.ranges import read_ranges, toggled
+from ...core.geodesy.mercator import wrap_lon_deg
+from ...core.text.ranges import count, read_ranges, toggled
 from ..compat import POLYGON
 from ..form.state import FormState
 from ..i18n import tr
@@ -137,7 +138,8 @@ class PlanPicking(QObject):
         self._last_row = row
         held = self._read().skip_rows
         text = toggled(held, rows)
-        step = tr("skip rows") if len(text) > len(held) else tr("bring rows back")
+        is_added = count(read_ranges(text)) > count(read_ranges(held))
+        step = tr("skip rows") if is_added else tr("bring rows back")
         self.entered.emit("skip_rows", text, step)
 
     def _take_split(self, lat_deg: float, lon_deg: float) -> None:
@@ -196,7 +198,7 @@ class PlanPicking(QObject):
 def find_image(plan: Plan, lat_deg: float, lon_deg: float) -> int | None:
     """Index of the image that shows a place nearest to its middle; None if none shows it."""
     lat, lon, hit = plan.corners
-    lon = lon_deg + np.mod(lon - lon_deg + 180.0, 360.0) - 180.0
+    lon = lon_deg + wrap_lon_deg(lon - lon_deg)
     away = np.hypot(lat.mean(axis=1) - lat_deg, (lon.mean(axis=1) - lon_deg) * np.cos(np.radians(lat_deg)))
     inside = hit.all(axis=1) & (lat.min(axis=1) <= lat_deg) & (lat.max(axis=1) >= lat_deg)
     inside &= (lon.min(axis=1) <= lon_deg) & (lon.max(axis=1) >= lon_deg)

@@ -82,6 +82,16 @@ def test_shift_click_takes_all_rows_and_undo_brings_them_back(previewed):
     assert entry(desk, "skip_rows").text() == ""
 
 
+def test_undo_names_the_step_by_what_it_does_to_rows(previewed):
+    desk = previewed
+    entry(desk, "skip_rows").setText("0,2")
+    desk.wait(lambda: desk.session.planned is not None and desk.session.planned.whole is not None)
+    desk.session.picking.pick_rows()
+    click_image(desk, 1)
+    assert entry(desk, "skip_rows").text() == "0-2"
+    assert desk.form.area_editing.history.stack.undoText() == "skip rows"
+
+
 def test_a_click_beside_the_images_says_so(previewed):
     desk = previewed
     desk.session.picking.pick_rows()
