@@ -152,7 +152,7 @@ def _plan_mission(mission: Mission, values: dict[str, Any], source: Source | Nam
 
 def _fit_flight(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
     """Align the rows of a mission and choose its airspeed where that is requested, and print what comes of it."""
-    one = next(iter(mission.missions_by_imagery.values()), mission)
+    one = mission.of_first_imagery
     way = getattr(arguments, "align", None)
     if way is not None:
         from ..mission.flight.alignment import align_rows
@@ -313,7 +313,7 @@ def _plan_joined(arguments: argparse.Namespace) -> int:
         one = argparse.Namespace(**{**vars(arguments), "mission_file": file})
         mission, values = _settings(one)
         # Several imageries share one flight.
-        mission = next(iter(mission.missions_by_imagery.values()), mission)
+        mission = mission.of_first_imagery
         plans.append(_plan_mission(mission, values, _named_source(mission, values, as_stored=_as_written(mission))))
         names.append(Path(file).stem)
         heights = heights or requested_heights(mission, values)

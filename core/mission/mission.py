@@ -141,6 +141,11 @@ class Mission:
         """A mission for each of several imageries, by name; empty for a mission with one source."""
         return {one.name: self.select_imagery(one) for one in self.imagery.named}
 
+    @property
+    def of_first_imagery(self) -> Mission:
+        """The mission of the first of several imageries, which share one flight; itself with one source."""
+        return self.select_imagery(self.imagery.named[0]) if self.imagery.named else self
+
     def select_imagery(self, imagery: NamedImagery) -> Mission:
         """Return a copy that captures this imagery alone."""
         return self.replace(imageries=(), source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))

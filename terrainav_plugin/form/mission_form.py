@@ -343,7 +343,7 @@ def mission_state(mission: Mission, folder: str, like: FormState | None = None) 
     from ...core.imagery.opening import source_kind
 
     given = {name: value for part in FLAT_PARTS for name, value in vars(getattr(mission, part)).items()}
-    first = next(iter(mission.missions_by_imagery.values()), mission).imagery
+    first = mission.of_first_imagery.imagery
     given.update(source=first.source, date=first.date, map_types=first.map_types)
     state = FormState(
         fov_deg=mission.camera.fov_deg,

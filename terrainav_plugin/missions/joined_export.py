@@ -85,7 +85,7 @@ class JoinedDialog(QDialog):
         while name in self._missions:
             name, number = f"{title} ({number})", number + 1
         # Several imageries share one flight.
-        self._missions[name] = next(iter(mission.missions_by_imagery.values()), mission)
+        self._missions[name] = mission.of_first_imagery
         item = QListWidgetItem(name)
         item.setFlags(item.flags() | Qt.ItemFlag.ItemIsUserCheckable)
         item.setCheckState(Qt.CheckState.Checked)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -125,6 +124,7 @@ class PlanAlgorithm(Algorithm):
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Read the mission, and the pixel grid of project layers."""
+        from ...core.mission.mission import Mission
         from ..sources import grid_finder, grid_finders
 
         self._mission = read_mission(run)
@@ -138,26 +138,22 @@ class PlanAlgorithm(Algorithm):
         files = [*filter(None, self.parameterAsFileList(run.parameters, "FURTHER_MISSIONS", run.context))]
         if files and not self._export:
             raise InvalidInput(tr("further missions: need the plan as a file"))
-        self._further = [_first_imagery(path) for path in files]
+        # Several imageries share one flight.
+        self._further = [Mission.load(path).of_first_imagery for path in files]
         self._further_grids = [grid_finder(mission) for mission in self._further]
         self._names = [tr("mission"), *(Path(path).stem for path in files)]
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Plan, and write the requested outputs."""
-        from ...core.mission.estimate import estimate
         from ..planner import summary_of_all
-        from ..settings import Settings
-        from ..sources import plan_imageries, request_costs
+        from ..sources import plan_imageries, plan_summary
 
-        def work(watch: WorkFeedback) -> tuple[PlanAlgorithm, Summary]:
+        def work(watch: WorkFeedback) -> tuple[Plan, Summary]:
             if self._align is not None:
                 self._mission = self._aligned(watch)
-            plans, connections = plan_imageries(self._mission, self._grids), Settings().connections
-            summaries = {
-                name: estimate(one, request_costs(one.mission.imagery.source), connections, os.cpu_count() or 1)
-                for name, one in plans.by_imagery.items()
-            }
-            self._flight = self._joined(plans.first) if self._further and self._export else plans.first
+            plans = plan_imageries(self._mission, self._grids)
+            summaries = {name: plan_summary(one) for name, one in plans.by_imagery.items()}
+            self._flight = self._joined(plans.first) if self._further else plans.first
             # All have the footprints and the flight of the first.
             return plans.first, summary_of_all(summaries)
 
@@ -223,14 +219,6 @@ class PlanAlgorithm(Algorithm):
                 run.feedback.pushInfo(translate(note))
             # The first file, as a flight too long for one file is divided among several.
             results["EXPORT"] = str(exported.files[0])
-
-
-def _first_imagery(path: str) -> Mission:
-    """Mission of a file; of several imageries, which share one flight, with the first."""
-    from ...core.mission.mission import Mission
-
-    mission = Mission.load(path)
-    return next(iter(mission.missions_by_imagery.values()), mission)
 
 
 def capture_fields() -> QgsFields:
