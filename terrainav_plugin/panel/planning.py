@@ -245,7 +245,7 @@ class Planning(QObject):
 
 
 def _numbering(mission: Mission) -> tuple[Any, Any]:
-    """What the numbers of rows, and those of images in flight order, depend on."""
+    """Settings that number the rows, and settings that number the images in flight order."""
     from ...core.mission.parts import NEAREST, Flight
 
     skipped = mission.flight.skip_rows
