@@ -613,18 +613,9 @@ def cleaning(stage: Stage) -> None:
     stage.plugin.actions["clean_dataset"].trigger()
     wait("entropies", lambda: not part.busy)
     click(part.cleaning.panel.suggest)
-    # Over the mission's panel, and as little of the map as possible.
-    corner = stage.dock.mapToGlobal(stage.dock.rect().topRight())
-    part.window.move(corner.x() - part.window.width() - 4, corner.y() + 4)
     stage.session.zoom_to_box(stage.session.planned.mission.area.bounds)
-    # Fit the mission into the part of the map that the window leaves free.
-    free_px = part.window.x() - stage.canvas.mapToGlobal(QPoint(0, 0)).x() - 4
-    extent = stage.canvas.extent()
-    west = extent.xMinimum()
-    extent.scale(stage.canvas.width() / free_px)
-    stage.canvas.setExtent(QgsRectangle(west, extent.yMinimum(), west + extent.width(), extent.yMaximum()))
     wait("crosses", lambda: not part.busy)
-    stage.shoot("clean.jpg", stage.part(stage.canvas, stage.dock), most_bytes=FEWER_BYTES)
+    stage.shoot("clean.jpg", stage.part(stage.canvas, part.window), most_bytes=FEWER_BYTES)
     part.open(tab="split")
     wait("split", part.tabs["split"].split.isEnabled)
     click(part.tabs["split"].split)
