@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
     from .run import BackgroundRun
 
 _NOTE, _LOCK = ".json", ".lock"
+#: When this session began.
+_BEGAN = time.time()
 
 
 class Unfinished:
@@ -62,6 +66,8 @@ class Unfinished:
         except (OSError, TerrAInavError) as wrong:
             log(tr("The capture could not be noted: {error}").format(error=wrong))
             return
+        if not _is_held(path):
+            _remove(path.with_suffix(_LOCK))
         self._locks[run] = _make_lock(path)
         self._locks[run].tryLock(0)
 
@@ -137,11 +143,9 @@ class FindTask(Task):
             left = _read(path)
             if left is None:
                 continue
-            lock = _make_lock(path)
-            if not lock.tryLock(0):
+            if _is_held(path):
                 running.add(_digest(left.folder))
                 continue
-            lock.unlock()
             if not is_remote(left.folder):
                 left.count()
             self.found.append(left)
@@ -232,6 +236,21 @@ def _make_lock(path: Path) -> QLockFile:
     # A lock never expires, as a capture may take days; Qt detects the lock of a crashed QGIS by its process.
     lock.setStaleLockTime(0)
     return lock
+
+
+def _is_held(path: Path) -> bool:
+    """Whether a session that is still there holds the lock of a note."""
+    lock = _make_lock(path)
+    if lock.tryLock(0):
+        lock.unlock()
+        return False
+    known, process, *_ = lock.getLockInfo()
+    try:
+        is_earlier = path.with_suffix(_LOCK).stat().st_mtime < _BEGAN
+    except OSError:
+        is_earlier = True
+    # In a sandbox such as Flatpak, QGIS has the same number each time, so Qt takes this process for the one that died.
+    return not (known and process == os.getpid() and is_earlier)
 
 
 def _remove(path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess  # nosec B404
 import sys
 from pathlib import Path
@@ -194,6 +195,17 @@ def test_lock_of_a_process_that_has_died_is_free(tmp_path):
         process.wait()
     assert isinstance(lock, QLockFile)
     assert lock.tryLock(0)
+    lock.unlock()
+
+
+def test_lock_of_an_earlier_process_with_the_number_of_this_one_is_free(tmp_path):
+    """As in a sandbox, where QGIS has the same number each time."""
+    note = tmp_path / "a.json"
+    lock = unfinished._make_lock(note)
+    assert lock.tryLock(0)
+    assert unfinished._is_held(note)
+    os.utime(tmp_path / "a.lock", (unfinished._BEGAN - 60.0,) * 2)
+    assert not unfinished._is_held(note)
     lock.unlock()
 
 
