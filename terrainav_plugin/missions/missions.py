@@ -53,7 +53,7 @@ _MISSION, _DATASETS = "mission", "datasets"
 #: Largest number of characters of a name in a menu or message.
 _MOST_TITLE = 100
 #: Empty values for the area and the entries that depend on it.
-_NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape", "no_fly", "takeoff"), "")
+_NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape", "no_fly", "takeoff", "skip_rows", "split_after"), "")
 
 
 class DatasetTask(Task):

@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -167,9 +168,12 @@ def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
     choose_in_menu(desk, "Save mission as file…")
     file = tmp_path / "survey.json"
     assert Mission.load(file) == mission
+    desk.form.set_state(replace(state, skip_rows="0", split_after="3"))
     choose_in_menu(desk, "New mission")
     assert not desk.session.state().has_box
     assert desk.session.state().folder != state.folder
+    # Rows and images of the earlier mission, which the new one may not have.
+    assert (desk.session.state().skip_rows, desk.session.state().split_after) == ("", "")
     answers["file"] = file
     choose_in_menu(desk, "Open mission file…")
     assert desk.wait_planned().mission == mission
