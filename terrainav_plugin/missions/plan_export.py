@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 #: Ending of files for drones.
 _FOR_DRONES = ".kmz"
+#: Topic of the messages on the last export: the next one replaces them.
+_EXPORT = "plan export"
 
 
 class PlanExportTask(Task):
@@ -121,6 +123,9 @@ class PlanExport(QObject):
         """Let the user choose a file, and write the plan of the entered mission to it."""
         path = self.ask_for_path(self._mission_folder().name or tr("mission"))
         if path is not None:
+            if not self.reason:
+                # What another format could not hold is not wrong with the entries.
+                self.refused.emit({})
             refusal = tr("Nothing to export yet.")
             self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
 
@@ -186,6 +191,11 @@ class PlanExport(QObject):
 
     def _ended(self, task: PlanExportTask) -> None:
         self._task = None
+        self._messages.withdraw(_EXPORT)
+        with self._messages.topic(_EXPORT):
+            self._tell(task)
+
+    def _tell(self, task: PlanExportTask) -> None:
         if task.error:
             if task.refusal is not None:
                 self.refused.emit(refused_fields(task.refusal))

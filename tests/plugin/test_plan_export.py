@@ -9,6 +9,7 @@ import pytest
 from osgeo import ogr
 from qgis.core import Qgis
 from qgis.PyQt.QtWidgets import QFileDialog, QMessageBox
+from terrainav.core.mission.areas.area import Polygon, Polygons
 from terrainav.terrainav_plugin.settings import Settings
 
 from tests.core.mission.wpml_reader import Wpml
@@ -279,6 +280,26 @@ def test_a_flight_too_near_to_the_relief_is_refused_beside_its_entry(desk, tmp_p
     assert any(text in said for said in desk.messages())
     assert text in desk.session.dock.form.marks.message("clearance_m")
     assert list(tmp_path.glob("survey*")) == []
+
+
+def test_the_message_and_the_marks_of_an_export_last_until_the_next_one(desk, tmp_path, choose_file):
+    desk.enter_small_mission()
+    corners = (-89.868, 35.132), (-89.868, 35.136), (-89.864, 35.132)
+    beside = tuple((lon + 0.007, lat) for lon, lat in corners)
+    desk.form.area_editing.set_area(Polygons((Polygon((corners,)), Polygon((beside,)))), "test")
+    desk.wait_planned()
+    desk.iface.messageBar().clearWidgets()
+    choose_file(tmp_path / "two.survey.plan")
+    export(desk)
+    marks = desk.session.dock.form.marks
+    assert "needs an area of one polygon" in marks.first_message()
+    for name in ("two.plan", "two.gpx"):
+        choose_file(tmp_path / name)
+        export(desk)
+    assert marks.first_message() == ""
+    ours = [item.text() for item in desk.iface.messageBar().items() if item.title() == "TerrAInav"]
+    assert len(ours) == 1
+    assert "two.gpx" in ours[0]
 
 
 def test_closed_dialog_writes_nothing(desk, tmp_path, choose_file):
