@@ -6,7 +6,7 @@ import html
 
 from qgis.gui import QgsDockWidget
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtGui import QColor
+from qgis.PyQt.QtGui import QColor, QResizeEvent
 from qgis.PyQt.QtWidgets import QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
 from ...core.mission.flight.path import CAPTURE, LANDING, TAKEOFF
@@ -38,9 +38,10 @@ class ProfileDock(QgsDockWidget):
     def __init__(self) -> None:
         super().__init__(tr("TerrAInav: height profile"))
         self.setObjectName("terrainav_profile")
-        self.line = named(QLabel(), "profile_line")
+        self.line = named(_Legend(), "profile_line")
         self.line.setTextFormat(Qt.TextFormat.RichText)
-        # Longer lines are cut and do not widen the window.
+        # Longer lines are wrapped, and do not widen the window.
+        self.line.setWordWrap(True)
         self.line.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.chart = ProfileChart(self.line)
         self.chart.pointed.connect(lambda _at: self._show_line())
@@ -103,8 +104,24 @@ class ProfileDock(QgsDockWidget):
         parts = line_parts(profile, chart.at, chart.unit)
         flight, surface, ground = chart.colours()
         shown = {"flight": flight, "surface": surface, "ground": ground, "clearance": CLEARANCE}
-        self.line.setText(" &nbsp; ".join(_key(shown.get(key)) + html.escape(text) for key, text in parts))
+        self.line.show_words(" &nbsp; ".join(_key(shown.get(key)) + _whole(text) for key, text in parts))
         chart.setAccessibleDescription(", ".join(text for _, text in parts))
+
+
+class _Legend(QLabel):
+    """A line that wraps, and keeps its height while its text changes, so that the diagram below it stays in place."""
+
+    def show_words(self, text: str) -> None:
+        """Show a text."""
+        self.setText(text)
+        if self.isVisible():
+            self.setMinimumHeight(max(self.minimumHeight(), self.heightForWidth(self.width())))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Begin anew with the height of the text at another width."""
+        if event.size().width() != event.oldSize().width():
+            self.setMinimumHeight(self.heightForWidth(event.size().width()))
+        super().resizeEvent(event)
 
 
 def line_parts(profile: HeightProfile, at: int, unit: str) -> list[tuple[str, str]]:
@@ -154,6 +171,11 @@ def _height(value_m: float, unit: str) -> str:
 
 def _distance(value_m: float, unit: str) -> str:
     return length_text(value_m, unit) if value_m >= 1.0 else f"0 {unit}"
+
+
+def _whole(text: str) -> str:
+    """Text that is not wrapped."""
+    return f'<span style="white-space:nowrap">{html.escape(text)}</span>'
 
 
 def _key(colour: QColor | None) -> str:

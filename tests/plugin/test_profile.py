@@ -122,6 +122,23 @@ def test_the_mouse_shows_figures_and_the_place_on_the_map(desk, dem, profiles):
     assert marks(desk) == []
 
 
+def test_a_long_line_of_figures_is_wrapped_and_not_cut(desk, dem, profiles):
+    chart = fly_over_ridge(desk, profiles, dem)
+    dock = profiles.dock
+    dock.setFloating(True)
+    dock.resize(260, 300)
+    desk.wait(lambda: dock.line.width() < 260)
+    at = int(np.flatnonzero(chart.profile.kind == CAPTURE)[5])
+    point(chart, place(chart, at))
+    desk.wait(lambda: dock.line.height() >= dock.line.heightForWidth(dock.line.width()))
+    high = dock.line.height()
+    assert high > 1.5 * dock.line.fontMetrics().height()
+    # The diagram stays where it is when the line becomes shorter.
+    QApplication.sendEvent(chart, QEvent(QEvent.Type.Leave))
+    QApplication.processEvents()
+    assert dock.line.height() == high
+
+
 def test_the_keyboard_moves_the_cursor_and_leads_to_the_map(desk, dem, profiles):
     chart = fly_over_ridge(desk, profiles, dem)
     QTest.keyClick(chart, Qt.Key.Key_Home)
