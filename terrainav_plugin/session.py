@@ -34,6 +34,7 @@ from .panel.form import FormMemory
 from .panel.planning import Planning
 from .panel.runs import OpeningRow, RunPanel
 from .panel.source_list import SourceList
+from .panel.speed import enter_fastest
 from .paths import entered_folder, exists, next_folder, open_in_system
 from .planner import PlannedMission, Planner
 from .preview.background import Background, SourceOnMap
@@ -263,6 +264,7 @@ class Session(QObject):
         self.planning.planned.connect(lambda planned: self.profiles.show_plan(planned.plan))
         self.planning.unplanned.connect(self.profiles.show_reason)
         form.flight.profile_clicked.connect(self.profiles.open)
+        form.flight.fastest_clicked.connect(lambda: enter_fastest(form, self.planning, self.messages))
         self.planning.planned.connect(lambda _planned: self._show_plannable(""))
         self.planning.unplanned.connect(self._show_unplanned)
         self.source_on_map.drawing.connect(form.show_on_map.setDisabled)

@@ -4801,9 +4801,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Auto</source>
+        <translation>Auto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Enter the greatest speed for the minimum image interval, and for the exposure time and motion blur, which are in the tab Advanced; at most 15 m/s, as DJI's drones</source>
+        <translation>Introduce la mayor velocidad para el intervalo mínimo entre imágenes y para el tiempo de exposición y el desenfoque, que están en la pestaña Avanzado; como máximo 15 m/s, como los drones de DJI</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -5284,6 +5294,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_list.py"/>
         <source>TerrAInav: remove source</source>
         <translation>TerrAInav: eliminar fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/speed.py"/>
+        <source>Airspeed {speed} m/s. Greatest speed: {limits}.</source>
+        <translation>Velocidad aérea {speed} m/s. Velocidad máxima: {limits}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/speed.py"/>
+        <source>The airspeed stays as it is.</source>
+        <translation>La velocidad aérea queda como está.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/start.py"/>

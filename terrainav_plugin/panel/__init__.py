@@ -20,6 +20,7 @@ source_dialogs  dialogs for the user's sources
 figures         figures of a plan as text
 planning        plans the entered mission, and shows the figures
 alignment       aligns the rows to the area
+speed           enters the greatest airspeed that the camera allows
 runs            the list of this session's captures
 options_page    the plugin's page in QGIS's options
 """

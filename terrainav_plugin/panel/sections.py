@@ -62,6 +62,8 @@ class FlightEntries(Entries):
         The user wants to align the rows, in one of `parts.ALIGNMENTS`.
     profile_clicked()
         The user wants to see the height profile.
+    fastest_clicked()
+        The user wants the greatest airspeed that the camera allows.
 
     Attributes
     ----------
@@ -71,6 +73,7 @@ class FlightEntries(Entries):
 
     align_clicked = pyqtSignal(str)
     profile_clicked = pyqtSignal()
+    fastest_clicked = pyqtSignal()
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("flight", tr("Flight"), marks)
@@ -161,7 +164,15 @@ class FlightEntries(Entries):
         self.add_declared("order")
         self.add_declared("crosshatch")
         self.add_declared("facing", FacingBox("facing", field_tip(DECLARED["facing"])))
-        self.add_declared("airspeed_m_per_s")
+        airspeed = declared_widget("airspeed_m_per_s")
+        tip = tr(
+            "Enter the greatest speed for the minimum image interval, and for the exposure time and motion blur, which "
+            "are in the tab Advanced; at most 15 m/s, as DJI's drones"
+        )
+        self.fastest = push_button("fastest", tr("Auto"), tip)
+        self.fastest.clicked.connect(lambda _checked: self.fastest_clicked.emit())
+        label = field_label(DECLARED["airspeed_m_per_s"])
+        self.add("airspeed_m_per_s", label, airspeed, row(airspeed, self.fastest, stretch=0))
 
 
 class OutputEntries(Entries):

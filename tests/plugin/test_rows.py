@@ -10,6 +10,7 @@ import pytest
 from qgis.core import QgsApplication
 from terrainav.core.errors import Cancelled
 from terrainav.core.mission.flight import alignment
+from terrainav.core.mission.flight.pilot import greatest_speed_m_per_s
 from terrainav.core.mission.parts import LONGEST_SIDE, SHORTEST
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.compat import QAction
@@ -148,3 +149,19 @@ def test_images_that_are_turned_are_captured_and_make_a_mosaic(desk):
     assert len(images) == len(made.plan)
     assert desk.layer("Satellite images").isValid()
     assert desk.layer("Captured images").featureCount() == len(made.plan)
+
+
+def test_the_greatest_airspeed_is_entered_and_said(desk):
+    desk.enter_small_mission()
+    before = desk.wait_planned().mission.flight.airspeed_m_per_s
+    desk.click(desk.form.flight.fastest)
+    assert "needs a limit of the camera" in desk.messages()[-1]
+    assert desk.session.state().airspeed_m_per_s == before
+    desk.form.set_state(replace(desk.session.state(), exposure_ms=20.0))
+    planned = desk.wait_planned()
+    expected = greatest_speed_m_per_s(planned.plan)
+    assert expected < before
+    desk.click(desk.form.flight.fastest)
+    assert desk.wait_planned().mission.flight.airspeed_m_per_s == pytest.approx(expected)
+    assert desk.messages()[-1].startswith(f"Airspeed {expected:g} m/s. Greatest speed: ")
+    assert "0.5 px of blur in 20 ms" in desk.messages()[-1]
