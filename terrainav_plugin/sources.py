@@ -61,7 +61,12 @@ class MissionPlans(NamedTuple):
     @property
     def images(self) -> int:
         """Number of images, of all map types and imageries."""
-        return sum(len(plan) * len(plan.mission.imagery.map_types) for plan in self.by_imagery.values())
+        return sum(self.images_each.values())
+
+    @property
+    def images_each(self) -> dict[str, int]:
+        """Number of images of each imagery, of all map types."""
+        return {name: len(plan) * len(plan.mission.imagery.map_types) for name, plan in self.by_imagery.items()}
 
     @property
     def requests(self) -> dict[str, int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -41,6 +41,29 @@ class Progress:
     map_type: str
     active_s: float = 0.0
     paused: bool = False
+
+
+class OverallProgress:
+    """Progress over several captures, from that of each, which has the capture's name in place of the map type.
+
+    Parameters
+    ----------
+    images : mapping of str to int
+        Number of images of each capture, by its name.
+    """
+
+    def __init__(self, images: Mapping[str, int]) -> None:
+        self._images = images
+        self._latest: dict[str, Progress] = {}
+
+    def add(self, progress: Progress) -> Progress:
+        """Take the progress of a capture, and return that of all."""
+        self._latest[progress.map_type] = progress
+        # A capture of failed images has fewer, which is known once it begins.
+        waiting = sum(count for name, count in self._images.items() if name not in self._latest)
+        added = ("total", "done", "failed", "skipped", "requests", "active_s")
+        sums = {name: sum(getattr(one, name) for one in self._latest.values()) for name in added}
+        return replace(progress, **{**sums, "total": sums["total"] + waiting})
 
 
 @dataclass(frozen=True)

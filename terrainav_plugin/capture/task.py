@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 from contextlib import ExitStack, closing
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import pyqtSignal
 
+from ...core.capture.progress import OverallProgress
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import InvalidInput, OutputError, SourceError
 from ...core.storage.files import file_exists
@@ -109,7 +109,7 @@ class CaptureTask(Task):
         self._transports = {name: source_transport(one.imagery.source) for name, one in missions.items()}
         self._stopping = False
         self._failures: dict[Path, FailedImages] = {}
-        self._ended: dict[str, Progress] = {}
+        self._overall = OverallProgress(plans.images_each) if plans.mission.imagery.imageries else None
         self._there = self._failed_seen = self._mosaics_made = 0
         self._next_look_s = 0.0
 
@@ -250,8 +250,8 @@ class CaptureTask(Task):
         self.picture = picture
 
     def _report(self, progress: Progress) -> None:
-        if self.plans.mission.imagery.imageries:
-            progress = self._sum(progress)
+        if self._overall is not None:
+            progress = self._overall.add(progress)
         done = progress.done + progress.failed + progress.skipped
         share = self.capture_share if self._with_mosaic else 1.0
         if not self.paused:
@@ -261,16 +261,6 @@ class CaptureTask(Task):
         if progress.failed > self._failed_seen and time.monotonic() >= self._next_look_s:
             self._failed_seen = progress.failed
             self._look_at_failed()
-
-    def _sum(self, progress: Progress) -> Progress:
-        """Progress over all imageries."""
-        self._ended[progress.map_type] = progress
-        added = ("done", "failed", "skipped", "requests", "active_s")
-        return replace(
-            progress,
-            total=self.plans.images,
-            **{name: sum(getattr(one, name) for one in self._ended.values()) for name in added},
-        )
 
     def _look_at_failed(self) -> None:
         """Update the lists of failed images, and emit those that have changed."""

@@ -86,19 +86,19 @@ class _Capturing(WithImagery):
 
     def _captured(self, run: AlgorithmRun, folder: Path, **options: bool) -> dict[str, Any]:
         """Capture, make the mosaics, and return the outputs."""
-        from ...core.capture.progress import Listener
+        from ...core.capture.progress import Listener, OverallProgress
         from ...core.capture.runner import capture
         from ...core.capture.several import capture_imageries
         from ...core.imagery.catalogue import shared_requests
         from ..dataset.scores import MOSAIC
         from ..map.mission_group import CAPTURED
+        from ..sources import MissionPlans
 
         def work(watch: WorkFeedback) -> tuple[CaptureResult, list[MosaicRaster]]:
-            ended: dict[str, int] = {}
-
             def report(progress: Progress) -> None:
-                ended[progress.map_type] = progress.done + progress.failed + progress.skipped
-                watch.progress(_CAPTURE_SHARE * sum(ended.values()) / max(total, 1))
+                progress = progress if overall is None else overall.add(progress)
+                finished = progress.done + progress.failed + progress.skipped
+                watch.progress(_CAPTURE_SHARE * finished / max(progress.total, 1))
 
             with ExitStack() as opened:
                 sources = {name: opened.enter_context(one.opened()) for name, one in zip(self._names, self._taken)}
@@ -106,8 +106,10 @@ class _Capturing(WithImagery):
                 needed = [one.requests * len(one.mission.imagery.map_types) for one in plans.values()]
                 for (name, one), requests in zip(plans.items(), shared_requests([*zip(sources.values(), needed)])):
                     check_terms(one, sources[name], requests, accepted=self._accepted)
-                total = sum(len(one) * len(one.mission.imagery.map_types) for one in plans.values())
-                watch.say(tr("{count} images into {folder}.").format(count=number_text(total), folder=folder))
+                images = MissionPlans(self._mission, plans).images_each
+                overall = OverallProgress(images) if self._mission.imagery.imageries else None
+                total = number_text(sum(images.values()))
+                watch.say(tr("{count} images into {folder}.").format(count=total, folder=folder))
                 how: Any = {
                     "connections": self._imagery.connections,
                     "listener": Listener(progress=report, cancelled=watch.cancelled),
@@ -118,8 +120,7 @@ class _Capturing(WithImagery):
                 else:
                     result = capture(*plans.values(), *sources.values(), folder, **how)
             tell_result(result, watch, folder)
-            made = [self._mosaics(one, folder / name, result, watch) for name, one in plans.items()]
-            return result, [mosaic for some in made for mosaic in some]
+            return result, self._mosaics(plans, folder, result, watch)
 
         result, self._made = off_main_thread(work, run.feedback)
         if run.flag("LOAD"):
@@ -158,23 +159,26 @@ class _Capturing(WithImagery):
         place_mosaics(QgsProject.instance(), self._made)
 
     def _mosaics(
-        self, worked_out: Plan, folder: Path, result: CaptureResult, watch: WorkFeedback
+        self, plans: dict[str, Plan], folder: Path, result: CaptureResult, watch: WorkFeedback
     ) -> list[MosaicRaster]:
-        """Mosaics of all map types; empty if none are wanted or possible."""
+        """Mosaics of all map types and imageries; empty if none are wanted or possible."""
         from ..dataset.mosaic import build_any_mosaics
         from ..sources import mission_heights
 
         if result.cancelled or not self._with_mosaic:
             return []
 
-        def progress(share: float) -> bool:
-            return watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share)
+        made: list[MosaicRaster] = []
+        for number, (name, one) in enumerate(plans.items()):
 
-        try:
-            return build_any_mosaics(worked_out, folder, mission_heights, progress)
-        except (InvalidInput, SourceError) as wrong:
-            watch.warn(tr("Without a mosaic: {reason}").format(reason=translate(wrong)))
-            return []
+            def progress(share: float, number: int = number) -> bool:
+                return watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * (number + share) / len(plans))
+
+            try:
+                made += build_any_mosaics(one, folder / name, mission_heights, progress)
+            except (InvalidInput, SourceError) as wrong:
+                watch.warn(tr("Without a mosaic: {reason}").format(reason=translate(wrong)))
+        return made
 
 
 class Capture(_Capturing):

@@ -862,6 +862,23 @@ def test_a_key_comes_out_of_the_authentication_database(server, tmp_path):
 # --- clean and report
 
 
+def test_progress_of_several_map_types_is_that_of_all(tmp_path):
+    feedback, shares = Feedback(), []
+    feedback.progressChanged.connect(shares.append)
+    folder = str(tmp_path / "out")
+    run(
+        "capture",
+        feedback,
+        EXTENT=EXTENT,
+        AGL=200,
+        MAP_TYPES=["satellite", "roadmap"],
+        MAKE_MOSAIC=False,
+        FOLDER=folder,
+    )
+    # The mosaic would have the rest.
+    assert 0.0 < max(shares) <= 90.0
+
+
 def test_cleaning_marks_moves_and_puts_back(tmp_path):
     folder = tmp_path / "out"
     run("capture", EXTENT=EXTENT, AGL=200, MAP_TYPES=["satellite", "roadmap"], FOLDER=str(folder))

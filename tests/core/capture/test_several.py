@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from osgeo import gdal, ogr
 from pyproj import Transformer
-from terrainav.core.capture.progress import Listener
+from terrainav.core.capture.progress import Listener, OverallProgress, Progress
 from terrainav.core.capture.several import capture_imageries
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
@@ -263,3 +263,11 @@ def test_the_command_plans_and_captures_them(run, tmp_path):
     assert refused.returncode != 0
     assert refused.stderr.count("\n") == 1
     assert "and source osm" in refused.stderr
+
+
+def test_progress_over_several_captures_is_the_sum_of_their_latest():
+    overall = OverallProgress({"old": 10, "new": 10})
+    assert overall.add(Progress(10, 4, 1, 0, 20, "old", 2.0)) == Progress(20, 4, 1, 0, 20, "old", 2.0)
+    overall.add(Progress(10, 9, 1, 0, 50, "old", 5.0))
+    # The second captures its failed images only.
+    assert overall.add(Progress(3, 1, 0, 0, 7, "new", 1.0)) == Progress(13, 10, 1, 0, 57, "new", 6.0)
