@@ -56,6 +56,8 @@ _HEADER = Message("header")
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
 #: First bytes of formats in which text of the CRS may stand anywhere: HFA, NITF, MrSID, ECW.
 _TEXT_ANYWHERE = (b"EHFA_HEADER_TAG", b"NITF", b"NSIF", b"msid", b"e\x02")
+#: First bytes of TIFF, JPEG and PNG files, which GDAL takes for nothing else; a zero byte soon follows.
+_BINARY = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\xff\xd8\xff", b"\x89PNG")
 #: First bytes of formats whose check reads whole files: `_TEXT_ANYWHERE`, databases, and grids in text form.
 _READ_WHOLE = (*_TEXT_ANYWHERE, b"SQLite format 3", b"ncols", b"NCOLS")
 #: Extension of SRTM files, which have no signature, and the possible lengths in bytes, for 1, 1.5 and 3 arc seconds.
@@ -193,7 +195,8 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
             _check_reads(file, seen[real])
     elif re.search(
         rb"<(GDAL_WM|GDALTileIndex|WM[ST]|Capabilities|TileMap|MRF_META|kml)|\"stac_version\"",
-        head,
+        # Pixels may spell any of these; GDAL, too, looks no further than the first zero byte.
+        head.split(b"\0", 1)[0] if head.startswith(_BINARY) else head,
         re.IGNORECASE,
     ):
         raise InvalidInput(
@@ -280,11 +283,8 @@ def _refuse_number(file: Path, count: int, most: int, what: str) -> None:
 
 def _has_signature(head: bytes) -> bool:
     """Whether a file begins with the signature of a known format."""
-    tiff = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
     jpeg_2000_and_xl = (b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a")
-    return head.startswith(
-        (*tiff, b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF", *jpeg_2000_and_xl, *_READ_WHOLE)
-    )
+    return head.startswith((*_BINARY, b"GIF8", b"BM", b"RIFF", *jpeg_2000_and_xl, *_READ_WHOLE))
 
 
 def _is_srtm(file: Path) -> bool:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
 
@@ -441,6 +442,19 @@ def test_overviews_are_looked_through_in_any_case_of_letters(tmp_path, server, n
     with pytest.raises(InvalidInput, match="describes a service"):
         allowed_drivers(str(path))
     assert server.asked == []
+
+
+@pytest.mark.parametrize("spelt", [b"<kML", b"<WMs", b"<tileMap"])
+def test_pixels_that_spell_a_description_are_pixels(tmp_path, spelt):
+    """By chance one small JPEG in a hundred thousand does; a text without a zero byte before it is a description."""
+    picture = tmp_path / "picture.jpg"
+    pixels = np.random.default_rng(1).integers(0, 255, (24, 24, 3), dtype=np.uint8)
+    Image.fromarray(pixels).save(picture, comment=b"\0" + spelt)
+    assert picture.read_bytes()[:4096].count(spelt) == 1
+    assert "JPEG" in allowed_drivers(str(picture))
+    (tmp_path / "text.jpg").write_bytes(b"\xff\xd8\xff" + spelt)
+    with pytest.raises(InvalidInput, match="describes a service"):
+        allowed_drivers(str(tmp_path / "text.jpg"))
 
 
 @pytest.mark.parametrize("name", ["map.tif.ovr", "map.tif.msk", "map.tif.aux.xml", "map.tif.aux", "map.tfw", "MAP.wld"])
