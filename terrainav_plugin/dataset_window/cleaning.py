@@ -83,16 +83,11 @@ class Cleaning(QObject):
         if folder is not None:
             self._read(folder)
             return
-        # Abandon the current reading.
-        self.reader.forget()
-        self._forget(None)
-        self.panel.show_hint()
+        self._abandon("")
 
     def stop_reading(self) -> None:
         """Abandon the current reading."""
-        self.reader.forget()
-        self._forget(None)
-        self.panel.show_hint(reading_stopped())
+        self._abandon(reading_stopped())
 
     def show_in_sight(self, in_sight: bool) -> None:
         """Show crosses on the map only while the tab is visible."""
@@ -111,6 +106,11 @@ class Cleaning(QObject):
         self.marks.close()
 
     # --- reading
+
+    def _abandon(self, hint: str) -> None:
+        self.reader.forget()
+        self._forget(None)
+        self.panel.show_hint(hint)
 
     def _forget(self, folder: Path | None) -> int:
         """Switch to a folder that has not been read; return the number of the next request to read."""

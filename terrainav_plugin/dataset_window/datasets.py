@@ -13,7 +13,7 @@ from ...core.dataset.folder import MISSION_FILE
 from ...core.storage.files import file_exists
 from ..paths import entered_folder
 from ..settings import recent
-from ..tasks import LatestWorker, single_shot
+from ..tasks import single_shot
 from ..widgets import add_docked, remove_menu_mnemonics
 
 if TYPE_CHECKING:
@@ -115,31 +115,32 @@ class Datasets(QObject):
         self._stale = set(TABS)
         self._show_current()
 
+    @property
+    def _name(self) -> str:
+        """Name of the current tab."""
+        return TABS[self.window.tabs.currentIndex()]
+
+    @property
+    def _shown(self) -> Cleaning | Tab:
+        """What reads and shows a dataset in the current tab."""
+        return self.cleaning if self._name == CLEAN else self.tabs[self._name]
+
     def _show_current(self, *_: object) -> None:
-        name = TABS[self.window.tabs.currentIndex()]
-        if name in self._stale:
-            self._stale.discard(name)
-            if name == CLEAN:
-                self.cleaning.take(self.folder)
-            else:
-                self.tabs[name].take(self.folder)
+        if self._name in self._stale:
+            self._stale.discard(self._name)
+            self._shown.take(self.folder)
         self._reading_changed()
         self._show_sight(self.window.isUserVisible())
 
     def _show_sight(self, visible: bool) -> None:
         """Show the crosses on the map only while the cleaning tab is visible."""
-        self.cleaning.show_in_sight(visible and TABS[self.window.tabs.currentIndex()] == CLEAN)
+        self.cleaning.show_in_sight(visible and self._name == CLEAN)
 
     # --- reading
 
-    def _reader(self) -> LatestWorker:
-        """Reader of the current tab."""
-        name = TABS[self.window.tabs.currentIndex()]
-        return self.cleaning.reader if name == CLEAN else self.tabs[name].reader
-
     def _reading_changed(self, *_: object) -> None:
         self._percent_read = 0.0
-        self._reading_lasts.start() if self._reader().is_awaited else self._reading_lasts.stop()
+        self._reading_lasts.start() if self._shown.reader.is_awaited else self._reading_lasts.stop()
         if not self._work.busy:
             self.window.show_progress(False, 0.0)
 
@@ -149,18 +150,16 @@ class Datasets(QObject):
         self._show_reading()
 
     def _show_reading(self) -> None:
-        if self._reader().is_awaited and not self._work.busy:
-            is_cleaning = TABS[self.window.tabs.currentIndex()] == CLEAN
-            self.window.show_progress(True, self._percent_read if is_cleaning else 0.0)
+        if self._shown.reader.is_awaited and not self._work.busy:
+            self.window.show_progress(True, self._percent_read if self._name == CLEAN else 0.0)
 
     def _stop(self) -> None:
         """Stop the task, or the reading of the current tab, which is read again when it is opened again."""
         if self._work.busy:
             self._work.stop()
-        elif self._reader().is_awaited:
-            name = TABS[self.window.tabs.currentIndex()]
-            self._stale.add(name)
-            (self.cleaning if name == CLEAN else self.tabs[name]).stop_reading()
+        elif self._shown.reader.is_awaited:
+            self._stale.add(self._name)
+            self._shown.stop_reading()
 
     # --- tasks
 
