@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,8 +34,8 @@ class JoinedDialog(QDialog):
 
     Parameters
     ----------
-    missions : mapping of str to Mission
-        Missions of the project by title, of which all are checked.
+    missions : iterable of (str, Mission)
+        Titles and missions of the project, of which all are checked; a number is added to a title that appears again.
     folder : Path
         Folder in which the dialog for files begins.
     refused : callable
@@ -44,7 +44,7 @@ class JoinedDialog(QDialog):
 
     def __init__(
         self,
-        missions: Mapping[str, Mission],
+        missions: Iterable[tuple[str, Mission]],
         folder: Path,
         refused: Callable[[str, TerrAInavError], None],
         parent: QWidget,
@@ -58,7 +58,7 @@ class JoinedDialog(QDialog):
         about.setWordWrap(True)
         self.list = named(QListWidget(), "joined_missions", about.text())
         self.list.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
-        for title, mission in missions.items():
+        for title, mission in missions:
             self._add(title, mission)
         about.setBuddy(self.list)
         self.add_files = push_button("add_missions", tr("&Add mission files…"), tr("Add missions saved as files"))

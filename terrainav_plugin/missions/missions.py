@@ -304,11 +304,11 @@ class Missions(QObject):
         """Let the user choose missions of the project and a file, and write them as one flight."""
         from ...core.mission.mission import Mission
 
-        missions: dict[str, Mission] = {}
+        missions: list[tuple[str, Mission]] = []
         for saved in saved_missions(self._open_project.project):
             title = shortened(saved.title, _MOST_TITLE)
             try:
-                missions[title if title not in missions else saved.folder] = Mission.from_json(saved.text)
+                missions.append((title, Mission.from_json(saved.text)))
             except TerrAInavError as wrong:
                 self._tell_broken(title, wrong)
         dialog = JoinedDialog(missions, self._settings.missions, self._tell_broken, self._button.window())
