@@ -85,6 +85,8 @@ class ProfileChart(QWidget):
         self.seen_m = 0.0, 1.0
         self._hint = ""
         self._part: HeightProfile | None = None
+        #: Lowest and highest height that is seen, in metres, with some room.
+        self._heights_m = 0.0, 1.0
         self._pressed: QPointF | None = None
         self._drags = False
 
@@ -158,8 +160,13 @@ class ProfileChart(QWidget):
 
     def _cut(self) -> None:
         """Keep what is seen, in about four points for each pixel."""
-        if self.profile is not None:
-            self._part = self.profile.part(*self.seen_m, 4 * max(self.width(), 100))
+        if self.profile is None:
+            return
+        part = self._part = self.profile.part(*self.seen_m, 4 * max(self.width(), 100))
+        values = np.concatenate([part.height_m, part.ground_m, part.surface_m])
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        room = 0.08 * max(high - low, 1.0)
+        self._heights_m = low - room, high + room
 
     def _zoom(self, factor: float, around_m: float) -> None:
         first, last = self.seen_m
@@ -333,26 +340,16 @@ class ProfileChart(QWidget):
         is_dark = self.look.palette().windowText().color().lightnessF() > 0.5
         return (_FLIGHT_ON_DARK if is_dark else FLIGHT), SURFACE, (_GROUND_ON_DARK if is_dark else GROUND)
 
-    def _heights(self) -> tuple[float, float]:
-        """Lowest and highest height that is seen, in metres, with some room."""
-        part = self._part
-        if part is None:
-            return 0.0, 1.0
-        values = np.concatenate([part.height_m, part.ground_m, part.surface_m])
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        room = 0.08 * max(high - low, 1.0)
-        return low - room, high + room
-
     def y_px(self, height_m: float) -> float:
         """Position of a height."""
-        frame, (low, high) = self.frame(), self._heights()
+        frame, (low, high) = self.frame(), self._heights_m
         return frame.bottom() - (height_m - low) / (high - low) * frame.height()
 
     def _unit_m(self) -> float:
         return M_PER_FT if self.unit == FEET else 1.0
 
     def _height_ticks(self) -> list[tuple[float, str]]:
-        low, high = self._heights()
+        low, high = self._heights_m
         count = max(int(self.height() / (2.5 * self.fontMetrics().height())), 2)
         return _ticks(low, high, self._unit_m(), count)
 
@@ -395,7 +392,7 @@ class ProfileChart(QWidget):
 
     def _paint_lines(self, painter: QPainter, frame: QRectF, part: HeightProfile) -> None:
         flight, surface, ground = self.colours()
-        (first, last), (low, high) = self.seen_m, self._heights()
+        (first, last), (low, high) = self.seen_m, self._heights_m
         x = frame.left() + (part.distance_m - first) / (last - first) * frame.width()
 
         def y_of(heights: Floats) -> Floats:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from qgis.core import Qgis, QgsCoordinateReferenceSystem, QgsCsException, QgsGeometry, QgsPointXY, QgsProject
 from qgis.gui import QgisInterface, QgsVertexMarker
 from qgis.PyQt.QtCore import QBuffer, QObject, Qt
-from qgis.PyQt.QtGui import QColor
 from qgis.PyQt.QtWidgets import QDockWidget, QFileDialog
 
 from ...core.errors import TerrAInavError
@@ -19,6 +18,7 @@ from ..i18n import tr, translate
 from ..map.canvas import LON_LAT, to_lon_lat, wrap_longitude
 from ..tasks import LatestWorker, failure_reason
 from ..widgets import remove_menu_mnemonics
+from .chart import CLEARANCE
 from .dock import ProfileDock
 
 if TYPE_CHECKING:
@@ -191,7 +191,7 @@ class Profiles(QObject):
         if self._mark is None:
             self._mark = QgsVertexMarker(self._canvas)
             self._mark.setIconType(QgsVertexMarker.IconType.ICON_CIRCLE)
-            self._mark.setColor(QColor("#d55e00"))
+            self._mark.setColor(CLEARANCE)
             self._mark.setIconSize(14)
             self._mark.setPenWidth(3)
         self._mark.setCenter(place[1])
