@@ -129,12 +129,10 @@ class Compare(QObject):
             node = root.findLayer(layer.id())
             if layer.id() not in self._layers:
                 self._layers[layer.id()] = node.itemVisibilityChecked()
-            group = node.parent()
-            while group is not None and group is not root:
+            for group in _groups_around(node):
                 if group not in groups:
                     groups.append(group)
                     self._groups.append((group, group.itemVisibilityChecked()))
-                group = group.parent()
 
     # --- display
 
@@ -160,10 +158,8 @@ class Compare(QObject):
                 if node is not None:
                     node.setItemVisibilityChecked(layer_id == pair[self.shown])
             for layer_id in pair:
-                group = root.findLayer(layer_id).parent()
-                while group is not None and group is not root:
+                for group in _groups_around(root.findLayer(layer_id)):
                     group.setItemVisibilityChecked(True)
-                    group = group.parent()
             # After the layers: while the preview is hidden, the area is outlined.
             self._hide_marks()
 
@@ -202,6 +198,14 @@ class Compare(QObject):
         yield
         if not dirty:
             self._project.setDirty(False)
+
+
+def _groups_around(node: QgsLayerTreeNode | None) -> Iterator[QgsLayerTreeNode]:
+    """Yield the groups that hold a node, without the root of the tree; none for a layer that was removed."""
+    group = None if node is None else node.parent()
+    while group is not None and group.parent() is not None:
+        yield group
+        group = group.parent()
 
 
 class CompareBar(QgsDockWidget):
