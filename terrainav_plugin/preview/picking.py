@@ -12,11 +12,12 @@ from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor
 
 from ...core.geodesy.mercator import wrap_lon_deg
+from ...core.mission.outlines import cut_at_antimeridian
 from ...core.text.ranges import count, read_ranges, toggled
 from ..compat import POLYGON
 from ..form.state import FormState
 from ..i18n import tr
-from ..map.canvas import ClickTool
+from ..map.canvas import LON_LAT, ClickTool
 from ..tasks import crs_named
 
 if TYPE_CHECKING:
@@ -182,17 +183,18 @@ class PlanPicking(QObject):
         corners = whole.corners
         which = np.flatnonzero(skipped & corners.hit.all(axis=1))[:MOST_MARKED]
         rings = [
-            [[QgsPointXY(lon, lat) for lon, lat in zip(lons, lats)]]
-            for lons, lats in zip(corners.lon_deg[which].tolist(), corners.lat_deg[which].tolist())
+            [[QgsPointXY(*place) for place in zip(lon.tolist(), lat.tolist())]]
+            for corner_lon, corner_lat in zip(corners.lon_deg[which], corners.lat_deg[which])
+            for lon, lat in cut_at_antimeridian(corner_lon, corner_lat)
         ]
-        self.marked = len(rings)
+        self.marked = len(which)
         mark = self._mark = QgsRubberBand(self._canvas, POLYGON)
         mark.setStrokeColor(QColor(120, 120, 120, 220))
         mark.setFillColor(QColor(90, 90, 90, 60))
         mark.setBrushStyle(Qt.BrushStyle.BDiagPattern)
         mark.setLineStyle(Qt.PenStyle.DashLine)
         mark.setWidth(1)
-        mark.setToGeometry(QgsGeometry.fromMultiPolygonXY(rings), crs_named("EPSG:4326"))
+        mark.setToGeometry(QgsGeometry.fromMultiPolygonXY(rings), crs_named(LON_LAT))
 
 
 def find_image(plan: Plan, lat_deg: float, lon_deg: float) -> int | None:

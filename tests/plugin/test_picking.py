@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import QDialog, QFileDialog
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.areas.area import Box
+from terrainav.core.mission.plan import plan
 from terrainav.core.text.ranges import read_ranges
 from terrainav.terrainav_plugin.missions.joined_export import JoinedDialog
 
@@ -90,6 +94,20 @@ def test_undo_names_the_step_by_what_it_does_to_rows(previewed):
     click_image(desk, 1)
     assert entry(desk, "skip_rows").text() == "0-2"
     assert desk.form.area_editing.history.stack.undoText() == "skip rows"
+
+
+def test_skipped_rows_at_the_antimeridian_are_marked_on_the_map(previewed):
+    desk, planned = previewed, previewed.session.planned
+    area = Box(0.01, 179.99, -0.01, -179.99)
+    mission = planned.mission.replace(area=area, skip_rows="0", source="world")
+    whole = plan(mission.replace(skip_rows=""), PixelGrid())
+    picking = desk.session.picking
+    picking.show(planned._replace(mission=mission, whole=whole))
+    assert picking.marked == np.count_nonzero(whole.row == 0)
+    assert whole.corners.lon_deg.max() > 180.0
+    widths_m = [part.boundingBox().width() for part in picking._mark.asGeometry().asGeometryCollection()]
+    assert len(widths_m) >= picking.marked
+    assert max(widths_m) < 10_000.0
 
 
 def test_a_click_beside_the_images_says_so(previewed):
