@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import time
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -206,9 +207,9 @@ def _count_planned(folder: Path, mission: Mission) -> int | None:
     """Planned number of images, by the lines of the plans; None if one was not written."""
     captures = 0
     try:
-        for one in _image_folders(folder, mission):
-            with open_foreign(one.parent / PLAN_FILE, MAX_TABLE_BYTES) as lines:
-                captures += sum(1 for _ in lines) - 1
+        for dataset, kinds in Counter(one.parent for one in _image_folders(folder, mission)).items():
+            with open_foreign(dataset / PLAN_FILE, MAX_TABLE_BYTES) as lines:
+                captures += kinds * (sum(1 for _ in lines) - 1)
     except (OSError, TerrAInavError):
         return None
     return captures
