@@ -239,7 +239,7 @@ def undo_split(folder: str | os.PathLike[str], *, dry_run: bool = False) -> Undo
 
 
 def _keep_earlier(dataset: Dataset, tables: Sequence[Table], new: Labels) -> None:
-    """Record the parts in the tables, and the labels, for `undo_split` unless they stay; raises OutputError."""
+    """Record the current parts and labels for `undo_split`, unless the split leaves them as they are."""
     path, labels = dataset.folder / EARLIER_FILE, read_existing(dataset.folder / LABELS_FILE, MAX_SETTINGS_BYTES)
     if is_unfinished(labels) and is_file(path):
         # The record is of the state before the interrupted split.
