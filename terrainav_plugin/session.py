@@ -292,6 +292,7 @@ class Session(QObject):
         missions.opening.connect(self._show_opening)
         missions.plan_export.plan_wanted.connect(self.planning.use_plan)
         missions.plan_export.refused.connect(form.show_messages)
+        missions.vehicle_export.plan_wanted.connect(self.planning.use_plan)
         self.dock.export_plan_clicked.connect(missions.plan_export.ask)
         self.datasets.dataset_wanted.connect(missions.open_dataset)
         self.datasets.compare_wanted.connect(self.compare.open)

@@ -115,6 +115,9 @@ class Settings:
     plan_folder = _Text()
     """Folder of the latest plan export; empty if there is none yet."""
 
+    vehicle = _Text()
+    """Address of the vehicle that a flight was last uploaded to; empty if there is none yet."""
+
     placeholders = _Text()
     """SHA-256 of tiles that count as missing, separated by spaces."""
 

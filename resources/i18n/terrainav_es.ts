@@ -3275,6 +3275,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Export to a &amp;vehicle…</source>
+        <translation>Exportar a un &amp;vehículo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table</source>
         <translation>Para DJI Pilot 2, QGroundControl, Litchi o Google Earth; como GPX, GeoPackage, GeoJSON o tabla</translation>
     </message>
@@ -3351,6 +3356,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Upload the flight to PX4 or ArduPilot over MAVLink, with the Python package pymavlink</source>
+        <translation>Envía el vuelo a PX4 o ArduPilot por MAVLink, con el paquete de Python pymavlink</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>What you opened takes imagery, heights or datasets from {places}, which you have not used in this QGIS. Nothing is requested there until you allow it.</source>
         <translation>Lo que ha abierto toma imágenes, alturas o conjuntos de datos de {places}, que no se ha usado en este QGIS. No se le consulta nada hasta que lo permita.</translation>
     </message>
@@ -3416,6 +3426,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <location filename="../../terrainav_plugin/missions/vehicle_export.py"/>
         <source>Nothing to export yet.</source>
         <translation>Aún no hay nada que exportar.</translation>
     </message>
@@ -3463,6 +3474,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is still being written; try again when it is there.</source>
         <translation>{name} todavía se está escribiendo; inténtelo de nuevo cuando esté.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/vehicle_export.py"/>
+        <source>A flight is being sent to {address}.</source>
+        <translation>Se está enviando un vuelo a {address}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/vehicle_export.py"/>
+        <source>Address: tcp:HOST:PORT, udp:HOST:PORT (waits there for the vehicle) or udpout:HOST:PORT</source>
+        <translation>Dirección: tcp:EQUIPO:PUERTO, udp:EQUIPO:PUERTO (espera allí al vehículo) o udpout:EQUIPO:PUERTO</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/vehicle_export.py"/>
+        <source>Sending the flight to {address}</source>
+        <translation>Enviando el vuelo a {address}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/vehicle_export.py"/>
+        <source>Sortie, of {count}: a vehicle takes one</source>
+        <translation>Salida, de {count}: un vehículo acepta una</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/vehicle_export.py"/>
+        <source>TerrAInav: export to a vehicle</source>
+        <translation>TerrAInav: exportar a un vehículo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/vehicle_export.py"/>
+        <source>{address}: the vehicle has accepted {count} mission items.</source>
+        <translation>{address}: el vehículo ha aceptado {count} elementos de la misión.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/alignment.py"/>

@@ -38,6 +38,7 @@ from ..tasks import Task
 from .address_dialog import AddressDialog
 from .joined_export import JoinedDialog, JoinedExportTask
 from .plan_export import PlanExport
+from .vehicle_export import VehicleExport
 
 if TYPE_CHECKING:
     from ...core.geodesy.mercator import PixelGrid
@@ -227,6 +228,7 @@ class Missions(QObject):
         self.plan_export = PlanExport(
             button, messages, self._folder, lambda: self._read().drone != DECLARED["drone"].default
         )
+        self.vehicle_export = VehicleExport(button, messages)
         self.menu = QMenu(button)
         self.menu.setObjectName("missions_menu")
         self.menu.setToolTipsVisible(True)
@@ -242,6 +244,7 @@ class Missions(QObject):
         """Stop for good."""
         self._open_project.project.cleared.disconnect(self._forget_unagreed)
         self.plan_export.close()
+        self.vehicle_export.close()
         if self._task is not None:
             self._task.abandon()
             self._task.waitForFinished()
@@ -281,6 +284,13 @@ class Missions(QObject):
             shown_plain(self.plan_export.reason)
             if self.plan_export.reason
             else tr("For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table")
+        )
+        vehicle = menu.addAction(tr("Export to a &vehicle…"), self.vehicle_export.ask)
+        vehicle.setEnabled(export.isEnabled())
+        vehicle.setToolTip(
+            shown_plain(self.plan_export.reason)
+            if self.plan_export.reason
+            else tr("Upload the flight to PX4 or ArduPilot over MAVLink, with the Python package pymavlink")
         )
         joined = menu.addAction(tr("Export as one fligh&t…"), self.export_joined)
         joined.setToolTip(tr("Several missions in one flight plan, with safe transits between them"))
