@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 #: Ending of files for drones.
 _FOR_DRONES = ".kmz"
 #: Topic of the messages on the last export: the next one replaces them.
-_EXPORT = "plan export"
+_EXPORT = "plan"
 
 
 class PlanExportTask(Task):
