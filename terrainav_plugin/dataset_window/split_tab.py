@@ -42,23 +42,27 @@ _BY_GROUND = (AUTO, "blocks")
 
 
 class Counts(NamedTuple):
-    """Number of images by part; None before a split."""
+    """Number of images by part, None before a split; and whether there is a split to undo, even an interrupted one."""
 
     images: int
     of_parts: dict[str, int] | None
+    can_undo: bool
 
 
 def read_counts(folder: Path) -> Counts:
     """Count the images of the first map type by their part in the table; raises InvalidInput."""
     from ...core.dataset.dataset import read_dataset
+    from ...core.dataset.labels import LABELS_FILE
     from ...core.dataset.table import image_parts, usable_rows
+    from ...core.storage.stores import is_file
 
-    table = next(iter(read_dataset(folder).image_sets.values())).table
+    dataset = read_dataset(folder)
+    table = next(iter(dataset.image_sets.values())).table
     usable, part = usable_rows(table), image_parts(table)
     if part is None:
-        return Counts(int(usable.sum()), None)
+        return Counts(int(usable.sum()), None, is_file(dataset.folder / LABELS_FILE))
     mine = [one for one, is_usable in zip(part, usable.tolist()) if is_usable]
-    return Counts(len(mine), {name: mine.count(name) for name in PARTS})
+    return Counts(len(mine), {name: mine.count(name) for name in PARTS}, True)
 
 
 class SplitTab(Tab):
@@ -67,7 +71,7 @@ class SplitTab(Tab):
     def __init__(self, work: Work) -> None:
         super().__init__("split_tab")
         self._work = work
-        self._known = self._is_split = False
+        self._known = self._can_undo = False
         self._make_entries()
         self.state = wrapped_label("split_state")
         self.result = wrapped_label("split_result")
@@ -82,7 +86,7 @@ class SplitTab(Tab):
 
     def show_dataset(self) -> None:
         """Read the current split."""
-        self._known = self._is_split = False
+        self._known = self._can_undo = False
         self.result.setText("")
         folder = self.folder
         if folder is None:
@@ -98,7 +102,7 @@ class SplitTab(Tab):
 
     def show_refused(self, reason: str) -> None:
         """Show why the dataset cannot be split."""
-        self._known = self._is_split = False
+        self._known = self._can_undo = False
         self.state.setText(reason)
         self.enable()
 
@@ -119,13 +123,13 @@ class SplitTab(Tab):
     def enable(self) -> None:
         """Enable the actions that are possible now."""
         self.split.setEnabled(self._known and not self.working)
-        self.undo.setEnabled(self._is_split and not self.working)
+        self.undo.setEnabled(self._can_undo and not self.working)
         by_ground = self.how.currentData() in _BY_GROUND
         for widget in (self.block, self.gap):
             widget.setEnabled(by_ground)
 
     def _show_counts(self, counts: Counts) -> None:
-        self._known, self._is_split = True, counts.of_parts is not None
+        self._known, self._can_undo = True, counts.can_undo
         if counts.of_parts is None:
             text = tr("Not split yet: {count} images.").format(count=number_text(counts.images))
         else:

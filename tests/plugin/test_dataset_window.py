@@ -10,6 +10,7 @@ import pytest
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractButton, QLabel
+from terrainav.core.dataset.labels import mark_unfinished
 from terrainav.terrainav_plugin.widgets import mnemonic_key
 
 AREA = "35.14_-89.87_35.1365_-89.8645_120"
@@ -137,6 +138,15 @@ def test_a_split_is_undone_by_a_button(desk, window, dataset):
     assert {path: path.read_bytes() for path in dataset.rglob("meta_data.csv")} == tables
     assert not (dataset / "labels.json").exists()
     desk.wait(lambda: tab.split.isEnabled() and not tab.undo.isEnabled())
+
+
+def test_a_split_that_was_interrupted_at_once_can_be_undone(desk, window, dataset):
+    mark_unfinished(dataset / "labels.json")
+    tab = go_to(desk, window, dataset, "split")
+    desk.wait(tab.undo.isEnabled)
+    press(desk, window, tab.undo)
+    desk.wait(lambda: tab.split.isEnabled() and not tab.undo.isEnabled())
+    assert not (dataset / "labels.json").exists()
 
 
 def test_split_takes_blocks_and_a_frame_by_its_code(desk, window, dataset):
