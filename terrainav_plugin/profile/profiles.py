@@ -16,6 +16,7 @@ from ...core.errors import TerrAInavError
 from ...core.waiting import cancellable
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT, to_lon_lat, wrap_longitude
+from ..settings import Settings
 from ..tasks import LatestWorker, failure_reason
 from ..widgets import remove_menu_mnemonics
 from .chart import CLEARANCE
@@ -142,7 +143,8 @@ class Profiles(QObject):
         kinds = (tr("Table (*.csv)"), tr("Image (*.png)"))
         window = self._iface.mainWindow()
         title = tr("TerrAInav: save height profile")
-        chosen, kind = QFileDialog.getSaveFileName(window, title, "height-profile.csv", ";;".join(kinds))
+        usual = str(Settings().missions / "height-profile.csv")
+        chosen, kind = QFileDialog.getSaveFileName(window, title, usual, ";;".join(kinds))
         if chosen:
             path = Path(chosen)
             self.save(path if path.suffix else path.with_suffix(".png" if kind == kinds[1] else ".csv"))
