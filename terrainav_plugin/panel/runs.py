@@ -214,6 +214,7 @@ class RunRows(QScrollArea):
         self.setWidget(contents)
         self._to_newest = False
         self.verticalScrollBar().rangeChanged.connect(self._grown)
+        self.verticalScrollBar().actionTriggered.connect(self._scrolled)
 
     @property
     def rows(self) -> list[RunRow]:
@@ -248,18 +249,22 @@ class RunRows(QScrollArea):
         return QSize(super().minimumSizeHint().width(), self._list_height(1))
 
     def _grown(self, _least: int, most: int) -> None:
-        """Scroll to a new row once it is laid out."""
+        """Stay at the newest row while the list is laid out, which may take several steps."""
         if self._to_newest:
-            self._to_newest = False
             self.verticalScrollBar().setValue(most)
+
+    def _scrolled(self, _action: int) -> None:
+        """Leave the list to the user."""
+        self._to_newest = False
 
     def _list_height(self, count: int) -> int:
         width = max(self.viewport().width(), 1)
         heights = [
-            row.heightForWidth(width) if row.hasHeightForWidth() else row.sizeHint().height()
-            for row in self.rows[:count]
+            row.heightForWidth(width) if row.hasHeightForWidth() else row.sizeHint().height() for row in self.rows
         ]
-        return sum(heights) + self._layout.spacing() * len(heights)
+        # Room for the tallest, whichever are scrolled to.
+        tallest = sorted(heights)[-count:]
+        return sum(tallest) + self._layout.spacing() * len(tallest)
 
 
 class RunRow(QFrame):

@@ -16,7 +16,7 @@ from qgis.PyQt.QtWidgets import QPushButton
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.capture.run import Stage, row_text
-from terrainav.terrainav_plugin.panel.runs import RunRow
+from terrainav.terrainav_plugin.panel.runs import RunRow, RunRows
 
 from tests.support.tileserver import TileServer
 
@@ -446,6 +446,30 @@ def test_buttons_stay_in_place_while_a_capture_is_under_way():
     shown.show_actions({RunRow.ZOOM}, underway=False)
     assert shown.heightForWidth(330) < tall_px
     shown.deleteLater()
+
+
+def test_newest_row_stays_in_sight_while_the_panel_is_laid_out(prepared):
+    listed = RunRows()
+    bar = listed.verticalScrollBar()
+    listed.show()
+    try:
+        listed.add(RunRow("first"))
+        listed.add(RunRow("second"))
+        for height_px in (30, 200, 30):
+            listed.resize(300, height_px)
+            prepared.wait(lambda tall=height_px > 100: (bar.maximum() == 0) is tall)
+        assert bar.value() == bar.maximum()
+        # It is seen whole, although its text has two lines.
+        newest = listed.rows[-1]
+        newest.show_progress(50.0, "34 of 68 images, 12 a second, 5 s left, and more")
+        assert listed.minimumSizeHint().height() >= newest.heightForWidth(listed.viewport().width())
+        # Unless the user has scrolled away.
+        bar.triggerAction(bar.SliderAction.SliderToMinimum)
+        listed.resize(300, 28)
+        prepared.wait(lambda: bar.maximum() > 0)
+        assert bar.value() == 0
+    finally:
+        listed.deleteLater()
 
 
 def test_run_taken_out_of_the_line_is_resumed(prepared, server):
