@@ -41,7 +41,7 @@ def _opencv() -> Any:
     except ImportError as missing:
         raise OutputError(
             "OpenCV, which finds and matches features, is not installed",
-            remedy="get it with: pip install 'terrainav[benchmark]'",
+            remedy="get it with: pip install opencv-python-headless",
         ) from missing
 
 

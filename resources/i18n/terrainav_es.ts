@@ -7816,8 +7816,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/benchmark/features.py"/>
-        <source>get it with: pip install 'terrainav[benchmark]'</source>
-        <translation>se obtiene con: pip install 'terrainav[benchmark]'</translation>
+        <source>get it with: pip install opencv-python-headless</source>
+        <translation>se obtiene con: pip install opencv-python-headless</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>

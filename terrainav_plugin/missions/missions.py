@@ -503,7 +503,7 @@ class Missions(QObject):
         folder = self._folder() if state.folder.strip() else self._settings.missions / "mission-1"
         taken = {Path(saved.folder) for saved in saved_missions(self._open_project.project)}
         taken |= set(self._captures())
-        folder = self._suggested(next_folder(folder, taken | {folder}))
+        folder = self._suggested(next_folder(_whole(folder), taken | {folder}))
         self.preview_wanted.emit(False)
         self._write(replace(state, folder=str(folder), **_NO_AREA))
 
@@ -515,7 +515,7 @@ class Missions(QObject):
         folder = self._folder()
         if state.folder.strip() and exists(folder):
             taken = set(self._captures())
-            state = replace(state, folder=str(self._suggested(next_folder(folder, taken))))
+            state = replace(state, folder=str(self._suggested(next_folder(_whole(folder), taken))))
         self._write(replace(state, **_NO_AREA))
 
     def save_as(self) -> None:
@@ -670,6 +670,11 @@ class Missions(QObject):
 
     def _tell_broken(self, name: str, wrong: TerrAInavError) -> None:
         self._messages.warning(tr("{name} was not opened: {reason}").format(name=name, reason=translate(wrong)))
+
+
+def _whole(folder: Path) -> Path:
+    """Folder of the whole dataset, if the given one is of one of its imageries."""
+    return folder.parent if exists(folder.parent / MISSION_FILE) else folder
 
 
 def _read_mission(folder: Path) -> Mission | None:

@@ -197,8 +197,8 @@ class Viewer(QgsDockWidget):
         both = QSplitter(Qt.Orientation.Vertical)
         both.addWidget(self._pictures())
         facts = scrolled(self.details)
-        # A few lines at least, in a window of any height.
-        facts.setMinimumHeight(3 * self.fontMetrics().lineSpacing())
+        # A line or two at least: more would push QGIS's window off a low screen once its Results Viewer opens above.
+        facts.setMinimumHeight(3 * self.fontMetrics().lineSpacing() // 2)
         both.addWidget(facts)
         for index, share in enumerate((1, 1)):
             both.setStretchFactor(index, share)

@@ -287,7 +287,7 @@ def test_labels_and_depths_are_those_of_the_files(desk, window, dataset, screens
         assert not card.depth_image.pixmap().isNull()
         # Two pictures, and the text below them, as the dock beside the map is narrow.
         assert card.minimumSizeHint().width() < 320
-        assert card.text.geometry().top() > card.image.geometry().bottom()
+        desk.wait(lambda card=card: card.text.geometry().top() > card.image.geometry().bottom())
     screenshot("dataset-labels", window.window)
     # Further, and back; no further than there are images.
     desk.click(tab.next)
@@ -356,6 +356,7 @@ def test_large_type_fits_in_700_px(desk, window, dataset, screenshot):
     # QGIS sets its size of type by a style sheet, too.
     points = desk.iface.mainWindow().font().pointSizeF()
     go_to(desk, window, dataset, "clean")
+    assert window.window.minimumSizeHint().height() < 225
     # By itself, as wide as a user likes.
     window.window.setFloating(True)
     window.window.setStyleSheet(f"QWidget {{ font-size: {2.0 * points}pt; }}")

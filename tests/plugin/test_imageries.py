@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -104,6 +105,12 @@ def test_two_map_types_are_captured_as_one(two, screenshot):
     ]
     viewing.stop()
     viewing.viewer.hide()
+    # After a mission of one of them, a new one goes beside the whole dataset.
+    desk.form.set_state(replace(desk.session.state(), folder=str(desk.folder / "world")))
+    desk.session.missions.begin_new()
+    assert Path(desk.session.state().folder).parent == desk.folder.parent
+    desk.form.set_state(mission_state(planned.mission, str(desk.folder)))
+    desk.wait_planned()
     # Pressed again, there is nothing left to do.
     desk.click(desk.dock.capture)
     desk.wait(lambda: desk.session.runs.runs[-1:] != [run])

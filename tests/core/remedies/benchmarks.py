@@ -57,7 +57,7 @@ def made(folder, settings=SETTINGS, source=None, **options):
 
 @remedy(
     "benchmark/features.py",
-    "OpenCV, which finds and matches features, is not installed; get it with: pip install 'terrainav[benchmark]'",
+    "OpenCV, which finds and matches features, is not installed; get it with: pip install opencv-python-headless",
 )
 def _no_opencv(case: Case) -> None:
     benchmark = made(case.tmp_path / "out").benchmark
@@ -65,7 +65,7 @@ def _no_opencv(case: Case) -> None:
         without.setitem(sys.modules, "cv2", None)
         case.refused(lambda: sift(benchmark, benchmark.gallery("")))
     case.follow(
-        "get it with: pip install 'terrainav[benchmark]'",
+        "get it with: pip install opencv-python-headless",
         lambda: extra_brings("benchmark", "opencv-python-headless"),
     )
 
