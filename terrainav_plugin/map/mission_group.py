@@ -67,14 +67,15 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
     for group in project.layerTreeRoot().findGroups(True):
         if not group.customProperty(_MISSION):
             continue
-        captured = _child_layer(group, CAPTURED)
+        captured, folder = _child_layer(group, CAPTURED), _text(group, _FOLDER)
         if captured is not None and captured.providerType() == "ogr" and is_path(str(layer_dataset(captured))):
             moved = str(layer_dataset(captured))
-            for layer in project.mapLayers().values():
-                if layer.customProperty(_FOLDER) == _text(group, _FOLDER):
-                    layer.setCustomProperty(_FOLDER, moved)
-            group.setCustomProperty(_FOLDER, moved)
-        folder = _text(group, _FOLDER)
+            if moved != folder:
+                group.setCustomProperty(_FOLDER, moved)
+                for layer in project.mapLayers().values():
+                    if folder and _text(layer, _FOLDER) == folder:
+                        layer.setCustomProperty(_FOLDER, moved)
+                folder = moved
         current = bool(group.customProperty(_CURRENT))
         missions.append(SavedMission(group.name(), folder if is_path(folder) else "", _text(group, _MISSION), current))
     return missions
@@ -90,9 +91,9 @@ def is_path(text: str) -> bool:
     return bool(text.strip()) and len(text) <= 4096 and b"\0" not in name
 
 
-def _text(group: QgsLayerTreeGroup, name: str) -> str:
-    """Text saved with a group; empty if the saved value is not a text."""
-    value = group.customProperty(name)
+def _text(holder: QgsLayerTreeGroup | QgsMapLayer, name: str) -> str:
+    """Text saved with a group or layer; empty if the saved value is not a text."""
+    value = holder.customProperty(name)
     return value if isinstance(value, str) else ""
 
 
@@ -110,9 +111,10 @@ def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapL
         layer, group = node.layer(), _parent_group(node)
         if layer is None or layer.type() != kind:
             continue
-        if group is None:
+        folder = _text(layer, _FOLDER)
+        if group is None and is_path(folder):
             # Laid on top of the tree.
-            group = MissionGroup(project, Path(layer.customProperty(_FOLDER) or "")).find()
+            group = MissionGroup(project, Path(folder)).find()
         if group is not None:
             found.append((group.name(), layer))
     return found

@@ -6,13 +6,13 @@ import json
 import shutil
 
 import pytest
-from qgis.core import QgsProject
+from qgis.core import QgsProject, QgsVectorLayer
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QFileDialog
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.form.state import FormState
-from terrainav.terrainav_plugin.map.mission_group import MissionGroup
+from terrainav.terrainav_plugin.map.mission_group import MissionGroup, mission_layers
 from terrainav.terrainav_plugin.remote.address import DatasetAddress
 from terrainav.terrainav_plugin.remote.copies import copy_folder
 from terrainav.terrainav_plugin.remote.trust import agree, source_names, unagreed_places
@@ -289,6 +289,14 @@ def test_the_work_of_a_long_text_grows_with_its_length(piece):
 # --- values of other types
 
 WRONG = [7, 1.5, True, ["a"], {"a": 1}, "\0", "a\0b", "/a\ud800b", "a" * 100_000, " ", "//host/x", b"x"]
+
+
+@pytest.mark.parametrize("value", WRONG, ids=lambda value: repr(value)[:12])
+def test_a_layer_with_a_wrong_folder_is_of_no_mission(desk, value):
+    layer = QgsVectorLayer("Polygon?crs=EPSG:4326", "theirs", "memory")
+    layer.setCustomProperty("terrainav/folder", value)
+    QgsProject.instance().addMapLayer(layer)
+    assert mission_layers(QgsProject.instance(), layer.type()) == []
 
 
 @pytest.mark.parametrize("value", sampled(WRONG, 4), ids=lambda value: repr(value)[:12])
