@@ -120,6 +120,8 @@ def plan_part(plan: Plan, ids: Numbers) -> Plan:
         poses=plan.poses.take(ids),
         windows=type(windows)(*(values[ids] for values in windows)),
         corners=type(corners)(*(values[ids] for values in corners)),
+        frames=plan.frames.take(ids),
+        flown=None if plan.flown is None else type(plan.flown)(*(values[ids] for values in plan.flown)),
         nominal=None,
     )
 

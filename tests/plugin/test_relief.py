@@ -110,6 +110,18 @@ def test_a_layer_of_heights_is_flown_over(desk, dem):
     assert again.names == made.names
 
 
+def test_a_part_in_view_of_a_tilted_flight_over_relief_is_drawn(desk, dem):
+    from terrainav.terrainav_plugin.preview.features import plan_part
+
+    set_up(desk, tilt_deg=30.0, image_px=80, elevation=(dem.source(),))
+    plan = draw(desk, UTM, 100.0).plan
+    some = np.arange(0, len(plan), 2)
+    part = plan_part(plan, some)
+    assert np.array_equal(part.height_m, plan.height_m[some])
+    for seen, whole in zip(part.frame_centres, plan.frame_centres):
+        assert seen == pytest.approx(whole[some], abs=1e-12)
+
+
 def test_sources_are_typed_and_cleared(desk, dem):
     set_up(desk)
     line = desk.form.relief.entries["elevation"]
