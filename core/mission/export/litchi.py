@@ -15,7 +15,7 @@ from ..flight.legs import legs
 from ..flight.path import LANDING, TAKEOFF
 from ..parts import BY_DISTANCE, HOVER
 from ..plan import Plan
-from .sorties import sorties
+from .sorties import Sortie, sorties
 from .waypoints import Waypoint, waypoint_notes, waypoints
 
 #: Greatest number of actions of a waypoint.
@@ -72,9 +72,9 @@ def check_litchi(plan: Plan) -> None:
 def litchi_texts(plan: Plan) -> list[Iterator[str]]:
     """Text of each file, in blocks: sorties, divided into equal parts of at most `MAX_WAYPOINTS`."""
     texts = []
-    for sortie in range(plan.path.sorties):
+    for number, sortie in enumerate(sorties(plan)):
         # At most 10,000 waypoints, which fit into memory.
-        shots = list(_shots(plan, sortie))
+        shots = list(_shots(plan, number, sortie))
         lines = [_line(one, actions, spacing_m, speed) for one, actions, spacing_m, speed in shots]
         files, shared = _files(plan, len(lines)), _shared(plan)
         ends = [(len(lines) - shared) * number // files for number in range(files + 1)]
@@ -101,25 +101,24 @@ def _shared(plan: Plan) -> int:
     return int(plan.mission.trigger == BY_DISTANCE)
 
 
-def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float, float]]:
+def _shots(plan: Plan, number: int, sortie: Sortie) -> Iterator[tuple[Waypoint, tuple[int, ...], float, float]]:
     """Waypoints of a sortie in the air, with the actions at each, the distance between images after it, and the speed.
 
     If the camera is triggered by distance, a row has waypoints only at its ends and, over relief, at its bends.
     """
     # Hovering for an image takes 1000 ms.
     hover = (_STAY, 1000) if plan.mission.trigger == HOVER else ()
-    flown = [one for one in waypoints(plan, sortie) if one.kind not in (TAKEOFF, LANDING)]
-    points = sorties(plan)[sortie]
-    speeds = np.minimum(points.speed_m_per_s, MAX_SPEED_M_PER_S).tolist()
+    flown = [one for one in waypoints(plan, number) if one.kind not in (TAKEOFF, LANDING)]
+    speeds = np.minimum(sortie.speed_m_per_s, MAX_SPEED_M_PER_S).tolist()
     if plan.mission.trigger != BY_DISTANCE:
         for one, speed in zip(flown, speeds):
             yield one, (*hover, _TAKE_PHOTO, 0) if one.is_capture else (), -1.0, speed
         return
-    way_m = legs(points.lat_deg, points.lon_deg).distance_m
+    way_m = legs(sortie.lat_deg, sortie.lon_deg).distance_m
     spacing_m = {}
-    for first, last in points.runs(plan):
+    for first, last in sortie.runs(plan):
         spacing_m.update(dict.fromkeys(range(first, last), float(way_m[first:last].min(initial=np.inf))))
-    for at in np.flatnonzero(points.waypoints(plan)).tolist():
+    for at in np.flatnonzero(sortie.waypoints(plan)).tolist():
         yield flown[at], (_TAKE_PHOTO, 0) if flown[at].is_capture else (), spacing_m.get(at, -1.0), speeds[at]
 
 
@@ -135,7 +134,7 @@ def litchi_notes(plan: Plan) -> tuple[str, ...]:
                 MAX_SPEED_M_PER_S,
             )
         )
-    files = [_files(plan, sum(1 for _ in _shots(plan, sortie))) for sortie in range(plan.path.sorties)]
+    files = [_files(plan, sum(1 for _ in _shots(plan, *one))) for one in enumerate(sorties(plan))]
     if sum(files) > len(files) > 1:
         first = (str(1 + sum(files[:number])) for number in range(len(files)))
         notes.append(Message("sorties begin at the parts {0}", ", ".join(first)))
