@@ -106,6 +106,8 @@ class PlanPicking(QObject):
     def pick_splits(self) -> None:
         """Let the user click images after which the flight is split."""
         if not self._read().takeoff.strip():
+            # A click that is meant to split must not skip a row.
+            self.rows_tool.stop()
             self._messages.info(tr("A split needs a take-off point, where each sortie begins and ends."))
             return
         self.split_tool.start()

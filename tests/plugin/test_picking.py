@@ -147,8 +147,11 @@ def test_an_opened_mission_keeps_its_rows(desk, tmp_path):
 
 def test_a_click_splits_the_flight_after_an_image(previewed, wait_until_drawn, screenshot):
     desk = previewed
+    desk.session.picking.pick_rows()
     desk.session.picking.pick_splits()
     assert any("A split needs a take-off point" in text for text in desk.messages())
+    # A click would skip a row.
+    assert desk.canvas.mapTool() is not desk.session.picking.rows_tool
     desk.form.route.takeoff.setText("35.1353, -89.8715")
     desk.wait_planned()
     desk.session.picking.pick_splits()
