@@ -117,6 +117,9 @@ class CameraEntries(Entries):
         self.fov = spin("fov_deg", 0.0, _DEGREES, 6, " °", tip)
         tip = tr("Field of view across the image's width or height, as selected, in degrees")
         self.fov_typed = spin("fov_typed_deg", 0.0, _DEGREES, 6, " °", tip)
+        for box in (self.fov, self.fov_typed):
+            # Wide enough for the angles of named cameras, such as 82.721 °.
+            box.setMinimumWidth(12 * box.fontMetrics().averageCharWidth())
         for name, widget in (
             ("fov_mode", self.fov_mode),
             ("fov_deg", self.fov),

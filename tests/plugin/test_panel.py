@@ -11,6 +11,7 @@ from qgis.PyQt.QtCore import QDate, QDateTime, QEvent, QLocale, Qt, QTime
 from qgis.PyQt.QtGui import QFocusEvent
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QComboBox, QGroupBox
+from terrainav.core.mission.cameras import shipped_cameras
 from terrainav.core.mission.parts import Flight
 from terrainav.core.mission.presets import PRESETS
 from terrainav.core.mission.settings import build_mission, resolve
@@ -178,6 +179,19 @@ def test_settings_have_most_of_a_small_screen_and_need_few_of_them(small, iface,
     assert screens <= 3
     # QGIS's window does not grow beyond the screen for it.
     assert dock.minimumSizeHint().height() < 250
+
+
+def test_the_angle_of_a_named_camera_is_shown_whole(small):
+    form = small.form
+    camera = next(one for one in shipped_cameras() if one.name == "DJI Mavic 3E").camera
+    form.set_state(replace(small.session.state(), fov_deg=camera.fov_deg))
+    form.pages.show_field(form.fov)
+    small.wait(form.fov.isVisible)
+    line = form.fov.lineEdit()
+    assert line.text() == "82.721 °"
+    # Also at the panel's least width, beside the arrows.
+    needed_px = line.fontMetrics().horizontalAdvance(line.text())
+    assert needed_px <= form.fov.minimumWidth() - (form.fov.width() - line.width())
 
 
 def test_nothing_is_cut_at_the_least_width(small):
