@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import InvalidInput, TerrAInavError
+from ..errors import InvalidInput, Message, TerrAInavError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from ..dataset.entropy import Report
 
 #: Titles of formats by name, for camera frames, for datasets and for benchmarks.
-VIEWS = {
+VIEWS: dict[str, str] = {
     "colmap": "COLMAP",
     "nerfstudio": "nerfstudio",
-    "tum": "TUM trajectory",
-    "kitti": "KITTI trajectory",
+    "tum": Message("TUM trajectory"),
+    "kitti": Message("KITTI trajectory"),
 }
-DATASETS = {
-    "parquet": "Parquet tables",
-    "huggingface": "Hugging Face datasets",
-    "croissant": "Croissant description",
-    "stac": "STAC collection",
+DATASETS: dict[str, str] = {
+    "parquet": Message("Parquet tables"),
+    "huggingface": Message("Hugging Face datasets"),
+    "croissant": Message("Croissant description"),
+    "stac": Message("STAC collection"),
 }
 BENCHMARKS = {
     "university-1652": "University-1652",
@@ -35,7 +35,7 @@ BENCHMARKS = {
     "ortholoc": "OrthoLoC",
     "anyvisloc": "AnyVisLoc",
 }
-KINDS = {**VIEWS, **DATASETS, **BENCHMARKS}
+KINDS: dict[str, str] = {**VIEWS, **DATASETS, **BENCHMARKS}
 #: Formats that are written into the dataset's folder by default.
 BESIDE_TABLES = ("parquet", "croissant", "stac")
 

@@ -9418,6 +9418,38 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
+        <source>Croissant description</source>
+        <translation>Descripción Croissant</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>Hugging Face datasets</source>
+        <translation>Hugging Face</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <location filename="../../core/poses/settings.py"/>
+        <source>KITTI trajectory</source>
+        <translation>Trayectoria KITTI</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>Parquet tables</source>
+        <translation>Tablas Parquet</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>STAC collection</source>
+        <translation>Colección STAC</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <location filename="../../core/poses/settings.py"/>
+        <source>TUM trajectory</source>
+        <translation>Trayectoria TUM</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
         <source>format {0}: needs the Python package pyarrow, which is not installed</source>
         <translation>formato {0}: necesita el paquete de Python pyarrow, que no está instalado</translation>
     </message>
@@ -15190,11 +15222,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>KITTI trajectory</source>
-        <translation>Trayectoria KITTI</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/settings.py"/>
         <source>Litchi mission</source>
         <translation>Misión de Litchi</translation>
     </message>
@@ -15207,11 +15234,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/poses/settings.py"/>
         <source>Poses &amp;are of</source>
         <translation>Las &amp;poses son de</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/settings.py"/>
-        <source>TUM trajectory</source>
-        <translation>Trayectoria TUM</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>

@@ -189,7 +189,7 @@ class ExportTab(Tab):
         else:
             text = tr("{count} files as {format} in {folder}.")
         self._suggest_folder()
-        self.show_result(text.format(count=count, format=KINDS[task.kind], folder=where), where)
+        self.show_result(text.format(count=count, format=translate(KINDS[task.kind]), folder=where), where)
 
     def show_result(self, text: str, written: Path | None = None) -> None:
         """Show the result of the export, or why it failed."""
