@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -87,11 +87,8 @@ class HeightProfile:
         """Points between two distances, with those just outside, thinned to about ``most``; see `height_profile`."""
         first = max(int(np.searchsorted(self.distance_m, first_m, side="left")) - 1, 0)
         last = int(np.searchsorted(self.distance_m, last_m, side="right")) + 1
-        arrays = {name: values[first:last] for name, values in vars(self).items() if isinstance(values, np.ndarray)}
-        points = _ProfilePoints(**arrays)
-        if len(points.kind) > most:
-            points = points.thinned(first_m, last_m, most)
-        return HeightProfile(*points, self.has_surface, self.is_level)
+        points = _taken(self, slice(first, last))
+        return points if len(points) <= most else _thinned(points, first_m, last_m, most)
 
 
 def height_profile(plan: Plan, most: int = MOST_POINTS) -> HeightProfile:
@@ -114,59 +111,53 @@ def height_profile(plan: Plan, most: int = MOST_POINTS) -> HeightProfile:
     Cancelled
         An enclosing `waiting.cancellable` is cancelled.
     """
-    path, relief = plan.path, plan.relief
-    has_surface = not relief.is_level and relief.heights.surface is not relief.heights.ground
-    found: list[_ProfilePoints] = []
+    path = plan.path
+    found: list[HeightProfile] = []
     count = 0
     for points in _blocks(plan, path):
         check_cancelled()
         found.append(points)
-        count += len(points.kind)
+        count += len(points)
         # Thinned points are few beside those of a block.
         if count > 8 * most:
-            found = [_ProfilePoints.joined(found).thinned(0.0, path.distance_m, most)]
-            count = len(found[0].kind)
-    whole = _ProfilePoints.joined(found)
-    if count > most:
-        whole = whole.thinned(0.0, path.distance_m, most)
-    return HeightProfile(*whole, has_surface, relief.is_level)
+            found = [_thinned(_joined(found), 0.0, path.distance_m, most)]
+            count = len(found[0])
+    whole = _joined(found)
+    return whole if count <= most else _thinned(whole, 0.0, path.distance_m, most)
 
 
-class _ProfilePoints(NamedTuple):
-    """Arrays of a `HeightProfile`."""
+def _arrays(profile: HeightProfile) -> dict[str, Any]:
+    """Arrays of a profile, by their names."""
+    return {name: values for name, values in vars(profile).items() if isinstance(values, np.ndarray)}
 
-    distance_m: Floats
-    lat_deg: Floats
-    lon_deg: Floats
-    height_m: Floats
-    ground_m: Floats
-    surface_m: Floats
-    clearance_m: Floats
-    kind: NDArray[np.int8]
-    image: Numbers
-    sortie: Numbers
 
-    @classmethod
-    def joined(cls, parts: list[_ProfilePoints]) -> _ProfilePoints:
-        """Points of all parts, in order."""
-        return parts[0] if len(parts) == 1 else cls(*(np.concatenate(values) for values in zip(*parts)))
+def _taken(profile: HeightProfile, which: slice | Numbers) -> HeightProfile:
+    """Some of the points of a profile."""
+    return replace(profile, **{name: values[which] for name, values in _arrays(profile).items()})
 
-    def thinned(self, first_m: float, last_m: float, most: int) -> _ProfilePoints:
-        """Points that show what all of them show, by stretches of equal length between two distances.
 
-        Each stretch keeps its extremes; ends of sorties are kept.
-        """
-        stretches = max(most // _KEPT, 1)
-        share = (self.distance_m - first_m) / max(last_m - first_m, 1e-9)
-        stretch = np.clip(np.floor(share * stretches), -1, stretches).astype(np.int64)
-        starts = np.flatnonzero(np.diff(stretch, prepend=stretch[0] - 1))
-        ends = np.flatnonzero(np.diff(self.sortie))
-        is_flown = ~np.isin(self.kind, (TAKEOFF, LANDING))
-        clearance = np.where(is_flown, self.clearance_m, np.nan)
-        extremes = clearance, -self.surface_m, -self.ground_m, self.ground_m, -self.height_m, self.height_m
-        kept = [_least_of_each(values, stretch, starts) for values in extremes]
-        which = np.unique(np.concatenate([np.array([0, len(stretch) - 1]), ends, ends + 1, *kept]))
-        return _ProfilePoints(*(values[which] for values in self))
+def _joined(parts: list[HeightProfile]) -> HeightProfile:
+    """Points of all parts of a profile, in order."""
+    each = [_arrays(one) for one in parts]
+    return replace(parts[0], **{name: np.concatenate([one[name] for one in each]) for name in each[0]})
+
+
+def _thinned(profile: HeightProfile, first_m: float, last_m: float, most: int) -> HeightProfile:
+    """Points that show what all of them show, by stretches of equal length between two distances.
+
+    Each stretch keeps its extremes; ends of sorties are kept.
+    """
+    stretches = max(most // _KEPT, 1)
+    share = (profile.distance_m - first_m) / max(last_m - first_m, 1e-9)
+    stretch = np.clip(np.floor(share * stretches), -1, stretches).astype(np.int64)
+    starts = np.flatnonzero(np.diff(stretch, prepend=stretch[0] - 1))
+    ends = np.flatnonzero(np.diff(profile.sortie))
+    is_flown = ~np.isin(profile.kind, (TAKEOFF, LANDING))
+    clearance = np.where(is_flown, profile.clearance_m, np.nan)
+    extremes = clearance, -profile.surface_m, -profile.ground_m, profile.ground_m, -profile.height_m, profile.height_m
+    kept = [_least_of_each(values, stretch, starts) for values in extremes]
+    which = np.unique(np.concatenate([np.array([0, len(stretch) - 1]), ends, ends + 1, *kept]))
+    return _taken(profile, which)
 
 
 def _least_of_each(values: Floats, group: Numbers, starts: Numbers) -> Numbers:
@@ -178,7 +169,7 @@ def _least_of_each(values: Floats, group: Numbers, starts: Numbers) -> Numbers:
     return at[np.unique(np.repeat(np.arange(len(starts)), lengths)[at], return_index=True)[1]]
 
 
-def _blocks(plan: Plan, path: FlightPath) -> Iterator[_ProfilePoints]:
+def _blocks(plan: Plan, path: FlightPath) -> Iterator[HeightProfile]:
     """Points of the path and below its legs, in flight order, in blocks that bound the memory."""
     ground = plan.relief.around(path.lat_deg, path.lon_deg, _ROOM_M)
     middle = (float(at.min() + at.max()) / 2.0 for at in (path.lat_deg, path.lon_deg))
@@ -195,11 +186,11 @@ def _blocks(plan: Plan, path: FlightPath) -> Iterator[_ProfilePoints]:
 
 def _sortie_points(
     plan: Plan, path: FlightPath, distance: Floats, images: Numbers, ground: PathGround, plane: LocalPlane
-) -> Iterator[_ProfilePoints]:
+) -> Iterator[HeightProfile]:
     """Points of a sortie, of which distances and images of the points of the path (m,) are known."""
     if plan.relief.is_level:
         below = ground.ground_m(path.lat_deg, path.lon_deg)
-        yield _ProfilePoints(
+        yield HeightProfile(
             distance,
             path.lat_deg,
             path.lon_deg,
@@ -210,6 +201,8 @@ def _sortie_points(
             path.kind,
             images,
             path.sortie,
+            has_surface=False,
+            is_level=True,
         )
         return
     last = len(path) - 2
@@ -221,7 +214,7 @@ def _sortie_points(
         path, distance, images = replace(path, **twice), np.repeat(distance, 2), np.repeat(images, 2)
     # Climbs have no points between their ends.
     is_climb = np.diff(distance) == 0.0
-    is_around = plan.mission.terrain.clearance_distance_m > 0.0
+    is_around, heights = plan.mission.terrain.clearance_distance_m > 0.0, plan.relief.heights
     for profile in ground.profiles(path.lat_deg, path.lon_deg, plane):
         nodes = _at_nearest(profile, path, ground)
         # Sums of shares may be rounded below 1.
@@ -237,7 +230,7 @@ def _sortie_points(
         height = path.height_m[leg] + share * np.diff(path.height_m)[leg]
         top = nodes.highest_m if is_around else nodes.surface_m
         clearance = height - top
-        yield _ProfilePoints(
+        yield HeightProfile(
             distance[leg] + share * np.diff(distance)[leg],
             nodes.lat_deg,
             nodes.lon_deg,
@@ -248,6 +241,8 @@ def _sortie_points(
             np.where((share > 0.0) & (share < 1.0), BETWEEN, path.kind[point]).astype(np.int8),
             images[point],
             path.sortie[point],
+            has_surface=heights.surface is not heights.ground,
+            is_level=False,
         )
 
 
