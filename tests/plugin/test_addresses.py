@@ -190,8 +190,8 @@ def test_a_fetched_image_is_laid_on_the_map(desk, viewing, server, folder, tilte
         assert seen.depth is not None
         assert not seen.depth.problem
     desk.click(viewing.viewer.on_map)
-    desk.wait(lambda: not viewing.busy and seen.shot.name in desk.layer_names())
-    layer = desk.layer(seen.shot.name)
+    desk.wait(lambda: not viewing.busy and bool(QgsProject.instance().mapLayersByName(seen.shot.name)))
+    (layer,) = QgsProject.instance().mapLayersByName(seen.shot.name)
     assert layer.isValid()
     extent, footprint = layer.extent(), seen.shot.outline.boundingBox()
     west = 6378137.0 * np.radians(footprint.xMinimum())
@@ -385,8 +385,8 @@ def test_a_folder_of_shards_on_this_machine_is_looked_at_as_well(desk, viewing, 
     assert np.array_equal(shown_pixels(viewing), pixels_of_file(original))
     assert not desk.messages()
     desk.click(viewing.viewer.on_map)
-    desk.wait(lambda: not viewing.busy and seen.shot.name in desk.layer_names())
-    assert desk.layer(seen.shot.name).isValid()
+    desk.wait(lambda: not viewing.busy and bool(QgsProject.instance().mapLayersByName(seen.shot.name)))
+    assert QgsProject.instance().mapLayersByName(seen.shot.name)[0].isValid()
 
 
 def test_opening_can_be_cancelled(desk, server, folder):

@@ -18,7 +18,7 @@ from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin import sources
 from terrainav.terrainav_plugin.capture.questions import Questions
 from terrainav.terrainav_plugin.form.mission_form import FormError
-from terrainav.terrainav_plugin.sources import mission_grid, open_for_capture, tile_layer_uri
+from terrainav.terrainav_plugin.sources import MissionPlans, mission_grid, open_for_capture, tile_layer_uri
 
 from tests.support import rasters
 
@@ -70,7 +70,7 @@ def test_a_dataset_that_states_its_system_is_of_the_mission_that_left_it_to_the_
     stated = json.loads((tmp_path / "out/mission.json").read_text("utf-8"))
     assert stated["imagery"]["crs"] == "EPSG:32616"
     questions = Questions(None, None, None, None)
-    assert not questions.belongs_to_another(worked_out, tmp_path / "out")
+    assert not questions.belongs_to_another(MissionPlans(mission, {"": worked_out}), tmp_path / "out")
     on_map = mission.replace(crs="EPSG:3857")
     assert mission_grid(on_map).plane.wraps
     assert mission_grid(mission).plane.crs == "EPSG:32616"

@@ -184,6 +184,7 @@ def test_tab_key_goes_as_the_eye_reads_and_leaves_the_panel(desk, number):
     entries += [dock.preview, dock.test_shot, dock.capture, dock.export_plan, dock.figures.fold, dock.help]
     entries.append(form.pages.tabBar())
     focused = Qt.FocusPolicy.TabFocus
+    entries = [one.focusProxy() or one for one in entries]
     wanted = {id(w) for w in entries if w.isVisible() and w.isEnabled() and w.focusPolicy() & focused}
     assert wanted <= set(map(id, visited))
     # And back again.
