@@ -210,7 +210,7 @@ class PlanExport(QObject):
         files, notes = task.exported.files, task.exported.notes
         text = tr("Plan exported as {names}.").format(names=", ".join(file.name for file in files))
         if task.figures:
-            text = f"{text} {task.figures}."
+            text = f"{text} {task.figures[:1].upper()}{task.figures[1:]}."
         folder = files[0].parent
         open_folder = (tr("Open folder"), lambda: open_in_system(folder))
         if notes:

@@ -206,6 +206,7 @@ def test_missions_are_exported_as_one_flight(desk, tmp_path, monkeypatch, screen
     assert shown[0][1] == "slow"
     assert len(refused) == 1
     (text,) = (text for text in desk.messages() if "Plan exported as flight.plan." in text)
+    assert "Flight path" in text
     assert "between missions" in text
     items = json.loads((tmp_path / "flight.plan").read_text())["mission"]["items"]
     speeds = [item["params"][1] for item in items if item["command"] == 178]
