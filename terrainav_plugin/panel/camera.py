@@ -112,7 +112,7 @@ class CameraEntries(Entries):
         )
         self.fov_mode = combo("fov_mode", modes, tip)
         # Wide enough for "Focal length".
-        self.fov_mode.setMinimumContentsLength(10)
+        self.fov_mode.setMinimumContentsLength(8)
         tip = tr("Field of view across the image's diagonal, in degrees")
         self.fov = spin("fov_deg", 0.0, _DEGREES, 6, " °", tip)
         tip = tr("Field of view across the image's width or height, as selected, in degrees")

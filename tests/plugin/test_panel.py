@@ -10,7 +10,7 @@ from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import QDate, QDateTime, QEvent, QLocale, Qt, QTime
 from qgis.PyQt.QtGui import QFocusEvent
 from qgis.PyQt.QtTest import QTest
-from qgis.PyQt.QtWidgets import QApplication, QComboBox, QGroupBox
+from qgis.PyQt.QtWidgets import QApplication, QComboBox, QGroupBox, QLabel
 from terrainav.core.mission.cameras import shipped_cameras
 from terrainav.core.mission.parts import Flight
 from terrainav.core.mission.presets import PRESETS
@@ -192,6 +192,13 @@ def test_the_angle_of_a_named_camera_is_shown_whole(small):
     # Also at the panel's least width, beside the arrows.
     needed_px = line.fontMetrics().horizontalAdvance(line.text())
     assert needed_px <= form.fov.minimumWidth() - (form.fov.width() - line.width())
+    # Its label stays beside it.
+    label = next(
+        one for one in form.camera_group.findChildren(QLabel) if one.text().replace("&", "") == "Field of view"
+    )
+    assert label.mapTo(form, label.rect().center()).x() < form.fov.mapTo(form, form.fov.rect().topLeft()).x()
+    middles = (one.mapTo(form, one.rect().center()).y() for one in (label, form.fov))
+    assert abs(next(middles) - next(middles)) < 5
 
 
 def test_nothing_is_cut_at_the_least_width(small):
