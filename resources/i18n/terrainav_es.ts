@@ -1506,8 +1506,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>; making the mosaic…, {time} left</source>
-        <translation>; creando el mosaico…, quedan {time}</translation>
+        <source>; making the mosaic, {time} left</source>
+        <translation>; creando el mosaico, quedan {time}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -1949,8 +1949,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>The split is undone. As before it: {parts}.</source>
-        <translation>La división está deshecha. Como antes: {parts}.</translation>
+        <source>The split is undone. Parts before it: {parts}.</source>
+        <translation>División deshecha. Partes anteriores: {parts}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -3205,8 +3205,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/joined_export.py"/>
-        <source>Missions of the flight, in its order: drag them to change it</source>
-        <translation>Misiones del vuelo, en su orden: arrástrelas para cambiarlo</translation>
+        <source>Missions in the order of the flight: drag them to change it</source>
+        <translation>Misiones en el orden del vuelo: arrástrelas para cambiarlo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/joined_export.py"/>
@@ -4707,7 +4707,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
-        <source>Cleared, as rows and images have other numbers now: {entries}.</source>
+        <source>Cleared because rows and images have new numbers: {entries}.</source>
         <translation>Vaciado, pues las pasadas y las imágenes tienen ahora otros números: {entries}.</translation>
     </message>
     <message>
@@ -5512,7 +5512,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/picking.py"/>
-        <source>Click a row of the preview to skip it, again to bring it back; Shift-click takes all rows up to there.</source>
+        <source>Click a row of the preview to skip it, and again to bring it back; Shift-click takes all rows up to it.</source>
         <translation>Haga clic en una pasada de la vista previa para omitirla y otra vez para recuperarla; con Mayús se toman todas hasta ella.</translation>
     </message>
     <message>
@@ -5522,18 +5522,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/picking.py"/>
-        <source>No planned image is there, or the flight ends with it.</source>
+        <source>The plan is still being worked out.</source>
+        <translation>El plan aún se está calculando.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/picking.py"/>
+        <source>There is no planned image, or the flight ends with it.</source>
         <translation>Allí no hay ninguna imagen planificada, o el vuelo termina con ella.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/picking.py"/>
-        <source>No row of planned images is there.</source>
+        <source>There is no row of planned images.</source>
         <translation>Allí no hay ninguna pasada de imágenes planificadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/preview/picking.py"/>
-        <source>The plan is not there yet.</source>
-        <translation>El plan todavía no está.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/picking.py"/>

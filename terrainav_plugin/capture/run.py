@@ -292,7 +292,7 @@ def _pace(progress: Progress, mosaic_left_s: float, making_mosaic: bool) -> str:
     left = progress.total - progress.skipped - done
     if not left:
         time_left = duration_text(max(mosaic_left_s, 1.0))
-        return tr("; making the mosaic…, {time} left").format(time=time_left) if making_mosaic else ""
+        return tr("; making the mosaic, {time} left").format(time=time_left) if making_mosaic else ""
     # The rate of the first ten images is not representative: they wait for connections.
     if done < 10 or progress.active_s <= 0.0:
         return ""

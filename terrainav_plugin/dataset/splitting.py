@@ -124,4 +124,4 @@ def undone_text(undone: UndoneSplit) -> str:
     if undone.parts is None:
         return tr("The split is undone: the images are in no part, and there are no labels.")
     each = ", ".join(f"{title} {number_text(undone.parts[part])}" for part, title in parts().items())
-    return tr("The split is undone. As before it: {parts}.").format(parts=each)
+    return tr("The split is undone. Parts before it: {parts}.").format(parts=each)

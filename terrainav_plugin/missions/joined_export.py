@@ -54,7 +54,7 @@ class JoinedDialog(QDialog):
         self._folder, self._refused = folder, refused
         self.setObjectName("joined_dialog")
         self.setWindowTitle(tr("TerrAInav: export as one flight"))
-        about = QLabel(tr("Missions of the flight, in its order: drag them to change it"))
+        about = QLabel(tr("Missions in the order of the flight: drag them to change it"))
         about.setWordWrap(True)
         self.list = named(QListWidget(), "joined_missions", about.text())
         self.list.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)

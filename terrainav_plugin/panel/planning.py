@@ -159,7 +159,7 @@ class Planning(QObject):
         if not cleared:
             return False
         self._messages.info(
-            tr("Cleared, as rows and images have other numbers now: {entries}.").format(
+            tr("Cleared because rows and images have new numbers: {entries}.").format(
                 entries=", ".join(translate(DECLARED[name].title) for name in cleared)
             )
         )

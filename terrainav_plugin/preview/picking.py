@@ -100,7 +100,9 @@ class PlanPicking(QObject):
         self._last_row = None
         self.rows_tool.start()
         self._messages.info(
-            tr("Click a row of the preview to skip it, again to bring it back; Shift-click takes all rows up to there.")
+            tr(
+                "Click a row of the preview to skip it, and again to bring it back; Shift-click takes all rows up to it."
+            )
         )
 
     def pick_splits(self) -> None:
@@ -132,7 +134,7 @@ class PlanPicking(QObject):
         plan = planned.whole or planned.plan
         at = find_image(plan, lat_deg, lon_deg)
         if at is None or not planned.mission.area.covers_ground:
-            self._messages.info(tr("No row of planned images is there."))
+            self._messages.info(tr("There is no row of planned images."))
             return
         row, last = int(plan.row[at]), self._last_row
         rows = [row]
@@ -151,7 +153,7 @@ class PlanPicking(QObject):
             return
         at = find_image(planned.plan, lat_deg, lon_deg)
         if at is None or at == len(planned.plan) - 1:
-            self._messages.info(tr("No planned image is there, or the flight ends with it."))
+            self._messages.info(tr("There is no planned image, or the flight ends with it."))
             return
         self.entered.emit("split_after", toggled(self._read().split_after, [at + 1]), tr("split the flight"))
 
@@ -165,7 +167,7 @@ class PlanPicking(QObject):
             # The entry is marked.
             return None
         if planned is None or not self._is_current(planned):
-            self._messages.info(tr("The plan is not there yet."))
+            self._messages.info(tr("The plan is still being worked out."))
             return None
         return planned
 

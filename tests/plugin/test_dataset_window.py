@@ -131,7 +131,7 @@ def test_a_split_is_undone_by_a_button(desk, window, dataset):
     press(desk, window, tab.split)
     desk.wait(tab.undo.isEnabled)
     press(desk, window, tab.undo)
-    assert tab.result.text().startswith("The split is undone. As before it: Training ")
+    assert tab.result.text().startswith("The split is undone. Parts before it: Training ")
     desk.wait(lambda: tab.state.text() == now and tab.undo.isEnabled())
     press(desk, window, tab.undo)
     assert tab.result.text() == "The split is undone: the images are in no part, and there are no labels."

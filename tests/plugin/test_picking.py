@@ -114,7 +114,7 @@ def test_a_click_beside_the_images_says_so(previewed):
     desk = previewed
     desk.session.picking.pick_rows()
     desk.canvas.mapTool().clicked.emit(0.0, 0.0)
-    assert any("No row of planned images is there." in text for text in desk.messages())
+    assert any("There is no row of planned images." in text for text in desk.messages())
     assert entry(desk, "skip_rows").text() == ""
 
 
@@ -129,7 +129,7 @@ def test_rows_are_not_skipped_elsewhere_when_the_layout_changes(previewed):
     desk.form.flight.entries["row_azimuth_deg"].setValue(30.0)
     desk.wait(lambda: not desk.session.planner.busy)
     assert entry(desk, "skip_rows").text() == ""
-    assert any("Cleared, as rows and images have other numbers now: skipped rows." in text for text in desk.messages())
+    assert any("Cleared because rows and images have new numbers: skipped rows." in text for text in desk.messages())
 
 
 def test_an_opened_mission_keeps_its_rows(desk, tmp_path):

@@ -142,11 +142,11 @@ def test_the_time_left_has_that_of_the_mosaic(monkeypatch):
     run._progressed(Progress(total=100, done=50, failed=0, skipped=0, requests=0, map_type="satellite", active_s=25.0))
     assert row_text(run).endswith(f", 2.0 a second, {duration_text(25.0 + estimated_s)} left")
     run._progressed(replace(run.progress, done=100, active_s=50.0))
-    assert row_text(run).endswith(f"; making the mosaic…, {duration_text(estimated_s)} left")
+    assert row_text(run).endswith(f"; making the mosaic, {duration_text(estimated_s)} left")
     # A quarter of it has taken 30 s.
     clock.now_s += 30.0
     run._show_progress(100.0 * (run.task.capture_share + 0.25 * (1.0 - run.task.capture_share)))
-    assert row_text(run).endswith(f"; making the mosaic…, {duration_text(90.0)} left")
+    assert row_text(run).endswith(f"; making the mosaic, {duration_text(90.0)} left")
     run.stage = Stage.WAITING
     run.close()
 

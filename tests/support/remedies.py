@@ -75,9 +75,9 @@ NO_ADVICE = frozenset(
             "pixel of the screen, with Shift by ten; Esc ends it."
         ),
         "Set take-off point, by a click on the map",
-        "Click a row of the preview to skip it, again to bring it back; Shift-click takes all rows up to there.",
+        "Click a row of the preview to skip it, and again to bring it back; Shift-click takes all rows up to it.",
         "Click the last image of a sortie; click it again to go on without landing.",
-        "Missions of the flight, in its order: drag them to change it",
+        "Missions in the order of the flight: drag them to change it",
         "Lay this image on the map, orthorectified where it is turned or tilted; press again to remove it",
         "{name}\n{bits} bits; press to show it on the map",
         "Remove “{title}” from your sources? Captured images stay.",
