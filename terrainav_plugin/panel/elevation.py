@@ -52,6 +52,9 @@ class HeightsLine(WordsLine):
         """Enter sources, with names replaced by titles."""
         titles = {name: title for title, name in _titled()}
         self.setText(f"{self._SEPARATOR} ".join(titles.get(word, as_written(word)) for word in words))
+        if set(words) <= set(titles):
+            # A title is read from its beginning; the end of a path tells more.
+            self.setCursorPosition(0)
 
     def _fill(self) -> None:
         """Fill the menu with the current sources."""

@@ -158,6 +158,7 @@ class RunList(QWidget):
             tr("Remove finished captures from the list (files are kept)"),
         )
         self.clear.clicked.connect(self.clear_clicked)
+        self.clear.setEnabled(False)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(2)
@@ -174,19 +175,24 @@ class RunList(QWidget):
     def add(self, row: RunRow) -> None:
         """Add a row at the bottom."""
         self.listed.add(row)
+        self._offer_clear()
         self.show()
 
     def remove(self, row: RunRow) -> None:
         """Remove a row."""
         self.listed.remove(row)
+        self._offer_clear()
         self.setVisible(bool(self.rows))
 
     def fit(self, finished: bool) -> None:
         """Update the height after rows have changed; ``finished`` is whether a run has ended."""
         self.clear.setEnabled(finished)
+        self._offer_clear()
+        self.listed.fit()
+
+    def _offer_clear(self) -> None:
         # A single row has a button of its own.
         self.clear.setVisible(len(self.rows) > 1)
-        self.listed.fit()
 
     def set_room(self, height_px: int) -> None:
         """Note the height of the panel: a small one shows fewer rows."""

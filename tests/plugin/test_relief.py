@@ -133,6 +133,7 @@ def test_sources_are_typed_and_cleared(desk, dem):
     assert desk.session.state().elevation == ("world",)
     # By its title, as in the list of imagery; either may be typed.
     assert line.text() == "Synthetic landscape (offline)"
+    assert line.cursorPosition() == 0
     set_up(desk, elevation=(dem.source(), "terrarium"))
     assert line.text() == f"{dem.source()}; Terrain Tiles (Terrarium, public)"
     for typed in ("world", "synthetic Landscape (offline)"):

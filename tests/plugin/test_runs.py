@@ -16,7 +16,7 @@ from qgis.PyQt.QtWidgets import QPushButton
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.capture.run import Stage, row_text
-from terrainav.terrainav_plugin.panel.runs import RunRow, RunRows
+from terrainav.terrainav_plugin.panel.runs import RunList, RunRow, RunRows
 
 from tests.support.tileserver import TileServer
 
@@ -445,6 +445,19 @@ def test_buttons_stay_in_place_while_a_capture_is_under_way():
     shown.show_progress(100.0, "Done")
     shown.show_actions({RunRow.ZOOM}, underway=False)
     assert shown.heightForWidth(330) < tall_px
+    shown.deleteLater()
+
+
+def test_a_single_row_has_no_button_for_all():
+    shown = RunList()
+    first, second = RunRow("first"), RunRow("second")
+    shown.add(first)
+    assert not shown.clear.isVisibleTo(shown)
+    shown.add(second)
+    assert shown.clear.isVisibleTo(shown)
+    assert not shown.clear.isEnabled()
+    shown.remove(second)
+    assert not shown.clear.isVisibleTo(shown)
     shown.deleteLater()
 
 
