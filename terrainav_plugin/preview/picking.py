@@ -101,7 +101,8 @@ class PlanPicking(QObject):
         self.rows_tool.start()
         self._messages.info(
             tr(
-                "Click a row of the preview to skip it, and again to bring it back; Shift-click takes all rows up to it."
+                "Click a row of the preview to skip it, and again to bring it back; Shift-click takes all rows up to "
+                "it."
             )
         )
 
