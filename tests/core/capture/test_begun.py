@@ -53,6 +53,8 @@ OTHERS = {
     "row_azimuth_deg": 80.0,
     "vertical_datum": "ellipsoid",
     "image_px": [200, 150],
+    "skip_rows": "1",
+    "split_after": "2",
 }
 FIELDS = [(part, one) for part, kind in FLAT_PARTS.items() for one in declared_fields(kind)]
 
