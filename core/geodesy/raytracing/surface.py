@@ -36,6 +36,8 @@ _CHORD, _CHORD_SHARE = 1e-8, 0.1
 _SPEEDING = 1.01
 #: Least speed by which to divide.
 _SLOWEST = 1e-12
+#: Cells for each one looked at, up to which all are packed first.
+_PACKED_CELLS = 16
 
 
 class Hits(NamedTuple):
@@ -152,9 +154,10 @@ class Surface:
 
     def _corners(self, i: Numbers, j: Numbers) -> tuple[Floats, ...]:
         """`corners_m` of cells (n,)."""
-        if not uses_numba():
+        # Packing all cells pays for images' rays. Compiled code leaves few cells to look at, and so do flights.
+        is_packed = "corners_m" in vars(self)
+        if not uses_numba() and (is_packed or _PACKED_CELLS * len(i) > self.cells[0] * self.cells[1]):
             return tuple(self.corners_m.take(i * self.cells[1] + j, axis=0).T)
-        # Compiled code leaves few cells to look at.
         a, b, c, d = (
             np.asarray(self.heights_m[i + down, j + right], np.float64) for down in (0, 1) for right in (0, 1)
         )
