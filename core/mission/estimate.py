@@ -47,6 +47,8 @@ class Costs:
         Time and size of one request, on one connection or core.
     encode_s_per_px : dict
         Time to assemble, encode and write a pixel, on one core, by image format.
+    image_s : float
+        Time of an image beside that of its pixels, on one core: file, metadata and journal.
     bytes_per_px : dict
         Size of a pixel in the written files, by image format.
     warp_s_per_px : float
@@ -68,6 +70,7 @@ class Costs:
     request_bytes: float
     encode_s_per_px: dict[str, float]
     bytes_per_px: dict[str, float]
+    image_s: float = 1.2e-3
     warp_s_per_px: float = 1e-7
     trace_s_per_px: float = 2e-6
     trace_s_per_cell: float = 5e-7
@@ -339,7 +342,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
     if costs.requests_per_s:
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
-    encode_s = pixels * costs.encode_s_per_px[mission.output.image_format] / cores
+    encode_s = (len(plan) * costs.image_s + pixels * costs.encode_s_per_px[mission.output.image_format]) / cores
     encode_s += (plan.frames.resampled_px() * costs.warp_s_per_px + _trace_s(plan, costs)) / cores
     # Computing tiles competes with encoding for cores; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
