@@ -438,7 +438,7 @@ class Session(QObject):
             to_show = tr("show the selected imagery") if has_box else tr("show the selected imagery and draw a box")
             hint = tr("The map is empty: {link}, or add layers of your own.").format(link=_link("show", to_show))
         elif not has_box:
-            hint = tr("{link} and drag over the area, or paste its coordinates below.").format(
+            hint = tr("{link} and drag over the area, or paste its coordinates in the tab Area.").format(
                 link=_link("draw", tr("Draw a box"))
             )
         self.dock.show_hint(hint)

@@ -7623,8 +7623,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
-        <source>{link} and drag over the area, or paste its coordinates below.</source>
-        <translation>{link} y arrastre sobre el área, o pegue sus coordenadas abajo.</translation>
+        <source>{link} and drag over the area, or paste its coordinates in the tab Area.</source>
+        <translation>{link} y arrastre sobre el área, o pegue sus coordenadas en la pestaña Área.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
