@@ -16,7 +16,7 @@ from qgis.core import (
 from qgis.PyQt import sip
 
 from ..i18n import tr
-from ..map.mission_group import MissionGroup
+from ..map.mission_group import ROLE, MissionGroup
 from ..paths import style
 from ..plain import escaped_field
 from .layers import hide_antimeridian
@@ -72,9 +72,15 @@ class _IntoGroup(QgsProcessingLayerPostProcessorInterface):
         project = context.project()
         loaded = project.layerTreeRoot().findLayer(layer.id())
         at = _BOTTOM if is_raster else _TOP
-        MissionGroup(project, self._folder).add(layer, self._role, at).setExpanded(kind == ERRORS)
+        group = MissionGroup(project, self._folder)
+        group.add(layer, self._role, at).setExpanded(kind == ERRORS)
         if loaded is not None:
             loaded.parent().removeChildNode(loaded)
+        if kind == ERRORS:
+            # Figures of earlier scores would stand beside those of the same queries.
+            for node in group.made().findLayers():
+                if node.layerId() in self._known and str(node.layer().customProperty(ROLE)).startswith(ERRORS):
+                    node.setItemVisibilityChecked(False)
 
 
 def _dress_footprints(layer: QgsVectorLayer) -> None:

@@ -319,6 +319,17 @@ def test_errors_are_on_the_map_in_the_group_of_the_benchmark(
     screenshot("benchmark-errors")
 
 
+def test_errors_of_one_method_at_a_time_are_seen(made, tmp_path, without_matplotlib):
+    path = tmp_path / "mine.csv"
+    predictions_of(made, path, [60.0])
+    run_and_load("scorebenchmark", BENCHMARK=str(made), METHOD="middle", FOLDER=str(tmp_path / "middle"))
+    run_and_load("scorebenchmark", BENCHMARK=str(made), PREDICTIONS=str(path), FOLDER=str(tmp_path / "mine"))
+    (group,) = QgsProject.instance().layerTreeRoot().children()
+    seen = {node.name() for node in group.children() if node.isVisible()}
+    assert seen == {f"{made.name}: {title}" for title in ("Errors of mine, air", "Errors of mine, map", "Reference")}
+    assert len(group.children()) == 5
+
+
 def test_layers_of_the_user_s_own_stay_as_they_are(made, tmp_path, without_matplotlib):
     project = QgsProject.instance()
     own = QgsRasterLayer(str(made / Benchmark.read(made).mosaic.file), "mine", "gdal")
