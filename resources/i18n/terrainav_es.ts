@@ -3250,6 +3250,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Back to {name}</source>
+        <translation>Volver a {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture only the &amp;failed images</source>
         <translation>Capturar solo las imágenes &amp;fallidas</translation>
     </message>
@@ -3383,6 +3388,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>its folder is not a path</source>
         <translation>su carpeta no es una ruta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>{name} was not captured.</source>
+        <translation>{name} no se ha capturado.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>

@@ -503,9 +503,14 @@ class Missions(QObject):
         folder = self._folder() if state.folder.strip() else self._settings.missions / "mission-1"
         taken = {Path(saved.folder) for saved in saved_missions(self._open_project.project)}
         taken |= set(self._captures())
-        folder = self._suggested(next_folder(_whole(folder), taken | {folder}))
+        following = self._suggested(next_folder(_whole(folder), taken | {folder}))
         self.preview_wanted.emit(False)
-        self._write(replace(state, folder=str(folder), **_NO_AREA))
+        self._write(replace(state, folder=str(following), **_NO_AREA))
+        if state.has_box and not file_exists(folder / MISSION_FILE):
+            back = tr("Back to {name}").format(name=folder.name)
+            self._messages.info(
+                tr("{name} was not captured.").format(name=folder.name), (back, lambda: self._write(state))
+            )
 
     def begin_anew(self) -> None:
         """Clear the area for a new project, and propose a free folder."""

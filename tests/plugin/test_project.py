@@ -16,6 +16,7 @@ from qgis.core import Qgis, QgsApplication, QgsProject
 from qgis.PyQt.QtCore import Qt, QTimer
 from qgis.PyQt.QtTest import QTest
 from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.form.state import FormState
 
 from tests.plugin.test_loading import PLUGIN, census, differences, names_of_the_plugin, settle, unloaded
 from tests.support.thinning import sampled
@@ -186,6 +187,21 @@ def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
     assert recent.actions()[0].text() == str(file)
     recent.actions()[0].trigger()
     assert desk.wait_planned().mission == mission
+
+
+def test_a_mission_that_was_not_captured_is_a_click_away_after_a_new_one(desk):
+    desk.enter_coarse_mission()
+    state, mission = desk.session.state(), desk.wait_planned().mission
+    choose_in_menu(desk, "New mission")
+    assert desk.messages() == ["mission was not captured."]
+    desk.click(desk.buttons_in_message_bar()["Back to mission"])
+    assert desk.wait_planned().mission == mission
+    assert desk.session.state() == state
+    # Nothing is lost of one without an area.
+    desk.iface.messageBar().clearWidgets()
+    desk.form.set_state(FormState(folder=str(desk.folder)))
+    choose_in_menu(desk, "New mission")
+    assert desk.messages() == []
 
 
 @pytest.mark.parametrize(
