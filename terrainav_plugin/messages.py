@@ -97,9 +97,9 @@ class Messages(QObject):
         # Use the bar's signal: on the destruction of an item, objects that it calls may already be deleted.
         iface.messageBar().widgetRemoved.connect(self._forget)
 
-    def info(self, text: str, action: tuple[str, Callable[[], None]] | None = None) -> None:
-        """Show information."""
-        self._show(text, Qgis.MessageLevel.Info, action)
+    def info(self, text: str, action: tuple[str, Callable[[], None]] | None = None, lasts: bool = False) -> None:
+        """Show information, which goes by itself unless it ``lasts``."""
+        self._show(text, Qgis.MessageLevel.Info, action, lasts=lasts)
 
     def success(
         self, text: str, action: tuple[str, Callable[[], None]] | None = None, details: str = "", lasts: bool = False

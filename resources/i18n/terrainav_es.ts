@@ -4001,8 +4001,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Ground from {lowest} to {highest}, clearance at least {clearance}</source>
-        <translation>Terreno de {lowest} a {highest}, con {clearance} libres como mínimo</translation>
+        <source>Ground from {lowest} to {highest}, images at least {clearance} clear</source>
+        <translation>Terreno de {lowest} a {highest}, imágenes a {clearance} de él como mínimo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>

@@ -87,7 +87,8 @@ def open_shown(path: str | Path) -> gdal.Dataset | None:
         return None
     shown = image_rendering(image)
     count = len(shown.bands) + (shown.mask is not None)
-    if shown.is_plain and image.RasterCount == count:
+    # The mask of a nodata value is not a band.
+    if shown.is_plain and image.RasterCount == count and shown.mask in (None, count):
         return image
     bands: list[int | str] = [*shown.bands]
     ranges = [list(one) for one in shown.ranges] or [[_DARKEST, _BRIGHTEST]] * len(bands)

@@ -508,9 +508,9 @@ class Missions(QObject):
         self._write(replace(state, folder=str(following), **_NO_AREA))
         if state.has_box and not file_exists(folder / MISSION_FILE):
             back = tr("Back to {name}").format(name=folder.name)
-            self._messages.info(
-                tr("{name} was not captured.").format(name=folder.name), (back, lambda: self._write(state))
-            )
+            # It stays, as the only way back.
+            text = tr("{name} was not captured.").format(name=folder.name)
+            self._messages.info(text, (back, lambda: self._write(state)), lasts=True)
 
     def begin_anew(self) -> None:
         """Clear the area for a new project, and propose a free folder."""

@@ -406,7 +406,7 @@ def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
     finest, coarsest = summary.finest_gsd_m_per_px, summary.coarsest_gsd_m_per_px
     if lowest is None or highest is None or clearance is None or finest is None or coarsest is None:
         return []
-    ground = tr("Ground from {lowest} to {highest}, clearance at least {clearance}").format(
+    ground = tr("Ground from {lowest} to {highest}, images at least {clearance} clear").format(
         lowest=length_text(lowest, unit),
         highest=length_text(highest, unit),
         clearance=length_text(clearance, unit),

@@ -180,6 +180,7 @@ class Letters(QObject):
             for section, own in in_section.items():
                 if page.isAncestorOf(section):
                     self._assign([*always, *on_one, *own])
+        self._is_heard = True
         self._pressed: Callable[[], None] | None = None
         pages.tabBar().installEventFilter(self)
 
@@ -195,6 +196,7 @@ class Letters(QObject):
 
     def hear(self, heard: bool) -> None:
         """Let Qt go where the letters lead, or not: a panel behind another one is still visible to Qt."""
+        self._is_heard = heard
         for target, key in self.keys:
             # Qt has no shortcuts for letters of menus.
             if key not in self._menu_keys:
@@ -202,7 +204,9 @@ class Letters(QObject):
 
     def override(self, event: QKeyEvent) -> bool:
         """Whether a key with Alt leads to a part of the panel that is seen; the press of the key then goes there."""
-        if event.modifiers() != Qt.KeyboardModifier.AltModifier or not 0x20 < event.key() < 0x7F:
+        # A panel that another one has covered may still have the keyboard.
+        is_letter = event.modifiers() == Qt.KeyboardModifier.AltModifier and 0x20 < event.key() < 0x7F
+        if not (self._is_heard and is_letter):
             return False
         key = chr(event.key()).upper()
         acts = [target.act for target, own in self.keys if own == key and target.part.isVisible()]

@@ -120,7 +120,8 @@ class _Legend(QLabel):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Begin anew with the height of the text at another width."""
         if event.size().width() != event.oldSize().width():
-            self.setMinimumHeight(self.heightForWidth(event.size().width()))
+            # Without a text there is no height.
+            self.setMinimumHeight(max(self.heightForWidth(event.size().width()), 0))
         super().resizeEvent(event)
 
 

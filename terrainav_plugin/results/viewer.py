@@ -124,8 +124,8 @@ class Viewer(QgsDockWidget):
         self.under_click.setVisible(count > 1)
 
     def leave_click(self) -> None:
-        """Clear the choice among the images under the click, as the image shown is no longer one of them."""
-        self.under_click.setCurrentIndex(-1)
+        """Hide the choice among the images under the click, as the image shown is no longer one of them."""
+        self.under_click.hide()
 
     def show_seen(self, seen: ViewedImage) -> None:
         """Show an image."""

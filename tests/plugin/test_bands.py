@@ -51,6 +51,21 @@ def deep(data_type):
     return (ramps * 40 if data_type != "uint8" else ramps / 8).astype(data_type)
 
 
+def test_the_fourth_band_of_a_picture_with_a_nodata_value_is_no_mask(tmp_path):
+    values = np.full((4, 8, 8), 200, np.uint8)
+    values[3] = 7
+    values[:, :2] = 0
+    path = tmp_path / "near-infrared.tif"
+    made = gdal.GetDriverByName("GTiff").Create(str(path), 8, 8, 4, gdal.GDT_Byte, ["PHOTOMETRIC=RGB", "ALPHA=NO"])
+    for number, band in enumerate(values, 1):
+        made.GetRasterBand(number).WriteArray(band)
+        made.GetRasterBand(number).SetNoDataValue(0.0)
+    made = None
+    shown = colours_of(read_picture(path, 100).image)
+    assert (shown[2:] == (200, 200, 200, 255)).all()
+    assert (shown[:2, :, 3] == 0).all()
+
+
 @pytest.mark.parametrize("data_type", sampled(["uint8", "uint16", "int16", "float32"], 2))
 @pytest.mark.parametrize("bands", [1, 4])
 def test_images_and_mosaics_show_what_the_bands_have(data_type, bands, tmp_path):

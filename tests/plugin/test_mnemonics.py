@@ -172,6 +172,10 @@ def test_letters_of_the_panel_rest_while_another_is_in_front_of_it(desk, window,
         iface.mapCanvas().setFocus()
         press_alt(window, "F")
         assert panel.folder.isAncestorOf(QApplication.focusWidget())
+        # Also if the keyboard has stayed in the panel.
+        desk.dock.capture.setFocus()
+        press_alt(window, "F")
+        assert panel.folder.isAncestorOf(QApplication.focusWidget())
     finally:
         panel.setUserVisible(False)
     desk.wait(desk.dock.isUserVisible)
