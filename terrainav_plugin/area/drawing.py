@@ -21,7 +21,7 @@ from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.projections import geodesics
 from ...core.mission.areas.area import Polygon, check_rings
 from ..compat import POINT, POLYGON
-from ..i18n import tr, translate
+from ..i18n import capitalized, tr, translate
 from ..map.canvas import TemporaryTool
 from ..units import METRES, area_text, length_text
 from .bands import AREA_COLOURS, BandColours, PointerText, area_band, corner_band
@@ -219,7 +219,7 @@ class PolygonTool(TemporaryTool):
     def _refuse(self, reason: str) -> None:
         self._last_refused = True
         if self._at is not None:
-            self._readout.say(_sentence(reason), self._at)
+            self._readout.say(capitalized(reason), self._at)
         self.refused.emit(reason)
 
     def _draw(self) -> None:
@@ -249,7 +249,7 @@ class PolygonTool(TemporaryTool):
             return self._hint
         corners = [*self._corners, pointer]
         if not _is_simple(corners):
-            return _sentence(tr("the outline would cross itself"))
+            return capitalized(tr("the outline would cross itself"))
         length = length_text(self._length_m(self._corners[-1], pointer), self.length_unit)
         try:
             size = area_text(self._polygon(corners).area_m2(), self.length_unit)
@@ -278,7 +278,3 @@ class PolygonTool(TemporaryTool):
 def _is_simple(corners: list[QgsPointXY]) -> bool:
     """Whether a line through the corners does not touch itself."""
     return len(corners) <= LEAST_CORNERS - 1 or QgsGeometry.fromPolylineXY(corners).isSimple()
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}"

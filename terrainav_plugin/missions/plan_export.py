@@ -11,7 +11,7 @@ from qgis.PyQt.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
 from ..form.mission_form import refused_fields
-from ..i18n import tr, translate
+from ..i18n import capitalized, tr, translate
 from ..paths import exists, is_folder, open_in_system
 from ..plain import shown_plain
 from ..settings import Settings
@@ -210,12 +210,12 @@ class PlanExport(QObject):
         files, notes = task.exported.files, task.exported.notes
         text = tr("Plan exported as {names}.").format(names=", ".join(file.name for file in files))
         if task.figures:
-            text = f"{text} {task.figures[:1].upper()}{task.figures[1:]}."
+            text = f"{text} {capitalized(task.figures)}."
         folder = files[0].parent
         open_folder = (tr("Open folder"), lambda: open_in_system(folder))
         if notes:
             lines = [translate(note) for note in notes]
-            said = " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines)
+            said = " ".join(f"{capitalized(line)}." for line in lines)
             # Until the user has read what the file does not hold, and closes it.
             self._messages.success(f"{text} {said}", open_folder, "\n".join(lines), lasts=True)
         else:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QInputDialog, QLineEdit, QWidget
 
-from ..i18n import number_text, tr, translate
+from ..i18n import capitalized, number_text, tr, translate
 from ..settings import Settings
 from ..tasks import Task
 
@@ -119,5 +119,5 @@ class VehicleExport(QObject):
             address=task.address, count=number_text(task.items)
         )
         lines = [translate(note) for note in task.notes]
-        said = " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines)
+        said = " ".join(f"{capitalized(line)}." for line in lines)
         self._messages.success(f"{text} {said}".rstrip(), details="\n".join(lines), lasts=bool(lines))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import QObject
 
-from ..i18n import tr, translate
+from ..i18n import capitalized, tr, translate
 from ..tasks import Task
 from ..units import length_text
 
@@ -76,7 +76,7 @@ class RowAlignment(QObject):
         self._form.set_state(replace(state, row_azimuth_deg=found.azimuth_deg))
         # In the units of the figures, so that both texts agree.
         text = translate(found.text(partial(length_text, unit=state.agl_unit)))
-        self._messages.success(text[:1].upper() + text[1:])
+        self._messages.success(capitalized(text))
 
 
 class AlignTask(Task):

@@ -25,14 +25,14 @@ from terrainav.core.mission.relief import path_ground  # noqa: E402
 from terrainav.core.picture.heights import mission_heights  # noqa: E402
 
 from tests.core.mission.flown_reader import Ground, Leg, least_clearance_m, legs_of  # noqa: E402
+from tests.core.mission.relief_files import NORTH, WEST, placed, write_relief  # noqa: E402
 from tests.core.mission.wpml_reader import Wpml  # noqa: E402
 from tests.support import rasters  # noqa: E402
 from tests.support.thinning import sampled  # noqa: E402
 
-WEST, NORTH, SIDE, CELL = 320_000.0, 4_298_000.0, 500, 2.0
+SIDE, CELL = 500, 2.0
 GRID, CAMERA = PixelGrid(max_zoom=20, native_zoom=20), Camera(78.8, 4 / 3)
 GEOD = pyproj.Geod(ellps="WGS84")
-TO_DEGREES = pyproj.Transformer.from_crs(32618, 4326, always_xy=True)
 ENDINGS = (".plan", ".survey.plan", ".kmz", ".litchi.csv", ".gpx", ".kml", ".gpkg")
 #: Digits of the files, and what they make of a wall of 60 m a cell.
 LEAST_M = -0.06
@@ -65,27 +65,13 @@ def level(x, y):
     return np.full(x.shape, 100.0)
 
 
-SURFACES = {"level": level, "masts": masts, "hill": hill, "cliffs": cliffs, "towers": towers, "rough": rough}
+SURFACES = (level, masts, hill, cliffs, towers, rough)
 
 
 @pytest.fixture(scope="module")
 def dem(tmp_path_factory):
     """Paths of surfaces by name, as files of 2 m pixels."""
-    folder, at = tmp_path_factory.mktemp("dem"), (np.arange(SIDE) + 0.5) * CELL
-    x, y = np.meshgrid(at, at)
-    transform = (WEST, CELL, 0.0, NORTH, 0.0, -CELL)
-    return {
-        name: str(
-            rasters.write(folder / f"{name}.tif", make(x, y)[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32)
-        )
-        for name, make in SURFACES.items()
-    }
-
-
-def placed(x, y):
-    """Latitude and longitude of metres from the corner of the relief, southward for the second."""
-    lon, lat = TO_DEGREES.transform(WEST + x, NORTH - y)
-    return lat, lon
+    return write_relief(tmp_path_factory.mktemp("dem"), SURFACES, SIDE, CELL)
 
 
 def box(west, south, east, north):

@@ -6,30 +6,29 @@ import numpy as np
 import pyproj
 import pytest
 
-gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their relief by GDAL's Python module")
+pytest.importorskip("osgeo.gdal", reason="the tests make their relief by GDAL's Python module")
 
-from terrainav.core.errors import Cancelled  # noqa: E402
-from terrainav.core.geodesy.camera import Camera  # noqa: E402
-from terrainav.core.geodesy.mercator import PixelGrid  # noqa: E402
-from terrainav.core.geodesy.projections import LocalPlane  # noqa: E402
-from terrainav.core.mission.areas.area import Box, Points  # noqa: E402
-from terrainav.core.mission.flight.path import CAPTURE, LANDING, TAKEOFF  # noqa: E402
-from terrainav.core.mission.mission import Mission  # noqa: E402
-from terrainav.core.mission.plan import plan  # noqa: E402
-from terrainav.core.mission.profile import BETWEEN, height_profile  # noqa: E402
-from terrainav.core.mission.relief import path_ground  # noqa: E402
-from terrainav.core.picture.heights import mission_heights  # noqa: E402
-from terrainav.core.waiting import cancellable  # noqa: E402
+from terrainav.core.errors import Cancelled
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.projections import LocalPlane
+from terrainav.core.mission.areas.area import Box, Points
+from terrainav.core.mission.flight.path import CAPTURE, LANDING, TAKEOFF
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.profile import BETWEEN, height_profile
+from terrainav.core.mission.relief import path_ground
+from terrainav.core.picture.heights import mission_heights
+from terrainav.core.waiting import cancellable
 
-from tests.core.mission.flights import ACROSS, ALONE, HERE  # noqa: E402
-from tests.core.mission.flights import worked_out as worked_out_level  # noqa: E402
-from tests.core.mission.flown_reader import Ground  # noqa: E402
-from tests.support import rasters  # noqa: E402
+from tests.core.mission.flights import ACROSS, ALONE, HERE
+from tests.core.mission.flights import worked_out as worked_out_level
+from tests.core.mission.flown_reader import Ground
+from tests.core.mission.relief_files import placed, write_relief
 
-WEST, NORTH, SIDE, CELL = 320_000.0, 4_298_000.0, 400, 3.0
+SIDE, CELL = 400, 3.0
 GRID, CAMERA = PixelGrid(max_zoom=20, native_zoom=20), Camera(78.8, 4 / 3)
 GEOD = pyproj.Geod(ellps="WGS84")
-TO_DEGREES = pyproj.Transformer.from_crs(32618, 4326, always_xy=True)
 #: Straight lines of a plane and of another one, and pieces straight in degrees, part by less than this.
 SAME_M = 0.02
 
@@ -46,23 +45,7 @@ def towers(x, y):
 @pytest.fixture(scope="module")
 def dem(tmp_path_factory):
     """Paths of ground and surface, as files of 3 m pixels."""
-    folder, at = tmp_path_factory.mktemp("dem"), (np.arange(SIDE) + 0.5) * CELL
-    x, y = np.meshgrid(at, at)
-    transform = (WEST, CELL, 0.0, NORTH, 0.0, -CELL)
-    return {
-        make.__name__: str(
-            rasters.write(
-                folder / f"{make.__name__}.tif", make(x, y)[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32
-            )
-        )
-        for make in (terrain, towers)
-    }
-
-
-def placed(x, y):
-    """Latitude and longitude of metres from the corner of the relief, southward for the second."""
-    lon, lat = TO_DEGREES.transform(WEST + x, NORTH - y)
-    return lat, lon
+    return write_relief(tmp_path_factory.mktemp("dem"), (terrain, towers), SIDE, CELL)
 
 
 def over_towers(dem, **more):
