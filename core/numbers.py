@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from .limits import MAX_JSON_DIGITS
 
+#: Pattern of a decimal number in a text.
+NUMBER = r"-?[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]+)?"
+
 
 def real_number(text: str) -> float:
     """Parse a number like ``float``, but refuse ``1_20`` and digits of other scripts.

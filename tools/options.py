@@ -31,7 +31,7 @@ SCHEMA_FILE, PAGE = ROOT / "resources" / "mission.schema.json", ROOT / "docs" / 
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string", tuple: "array"}
 _HEAD = """# Every option of a mission
 
-Made by `python tools/options.py` from the fields declared in `core/mission/parts.py`, `core/mission/flight/wind.py` and
+Made by `python tools/options.py` from the fields declared in `core/mission/parts`, `core/mission/flight/wind.py` and
 `core/geodesy/lens.py`. Set an option on the command line with `--name value`, in the environment as
 `TERRAINAV_NAME`, or in `config.json` as `"name"`; the command line takes precedence. A mission file holds the options
 in several parts (see `resources/mission.schema.json`) and omits default values. In Python, they are flat:

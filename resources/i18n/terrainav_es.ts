@@ -10851,7 +10851,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <source>bands</source>
         <translation>bandas</translation>
     </message>
@@ -11954,7 +11954,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>front overlap</source>
         <translation>solape longitudinal</translation>
     </message>
@@ -11970,7 +11970,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <source>ground sample distance</source>
         <translation>distancia de muestreo del terreno</translation>
     </message>
@@ -12053,13 +12053,13 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>side overlap</source>
         <translation>solape transversal</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>skipped rows</source>
         <translation>pasadas omitidas</translation>
     </message>
@@ -12897,7 +12897,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/imageries.py"/>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <source>source {0!r}: holds a NUL character, which no name has</source>
         <translation>fuente {0!r}: contiene un carácter NUL, que ningún nombre tiene</translation>
     </message>
@@ -13141,7 +13141,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>crosshatch</source>
         <translation>cuadrícula cruzada</translation>
     </message>
@@ -13380,7 +13380,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <location filename="../../core/report/measure.py"/>
         <source>resampling</source>
         <translation>remuestreo</translation>
@@ -13522,997 +13522,997 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>{0} {1} {2!r}: lleva {3} valores{4}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>As laid out</source>
         <translation>Según la disposición</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>As the source says</source>
-        <translation>Lo que diga la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>At each waypoint</source>
         <translation>En cada punto de ruta</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Automatic</source>
-        <translation>Automático</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Bicubic</source>
-        <translation>Bicúbico</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Bilinear</source>
-        <translation>Bilineal</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>By distance along rows</source>
         <translation>Por distancia a lo largo de las pasadas</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Camera frame (as seen)</source>
-        <translation>Encuadre de cámara (como se ve)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>Cover (no gaps)</source>
         <translation>Cubrir (sin huecos)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>DJI Fly (Mini 4 Pro, Air 3, Mavic 3)</source>
         <translation>DJI Fly (Mini 4 Pro, Air 3, Mavic 3)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Depth along the optical axis</source>
-        <translation>Profundidad a lo largo del eje óptico</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Faces that no map shows</source>
-        <translation>Caras que ningún mapa muestra</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Feet</source>
-        <translation>Pies</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Filled from the next source</source>
-        <translation>Se rellenan con la fuente siguiente</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>GeoTIFF (lossless)</source>
-        <translation>GeoTIFF (sin pérdida)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Ground points</source>
-        <translation>Puntos del terreno</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>Hover and capture</source>
         <translation>Detenerse y capturar</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Interpolated where no source has any</source>
-        <translation>Se interpolan donde ninguna fuente las tiene</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>JPEG (smaller)</source>
-        <translation>JPEG (menor)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Lanczos</source>
-        <translation>Lanczos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>M30</source>
         <translation>M30</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>M300 RTK (P1)</source>
         <translation>M300 RTK (P1)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>M30T</source>
         <translation>M30T</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>M350 RTK (P1)</source>
         <translation>M350 RTK (P1)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>M4E</source>
         <translation>M4E</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>M4T</source>
         <translation>M4T</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Map frame (not resampled)</source>
-        <translation>Encuadre de mapa (sin remuestreo)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>Mavic 3E</source>
         <translation>Mavic 3E</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>Mavic 3M</source>
         <translation>Mavic 3M</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>Mavic 3T</source>
         <translation>Mavic 3T</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Metres</source>
-        <translation>Metros</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Nearest pixel</source>
-        <translation>Píxel más próximo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>Nearest to take-off</source>
         <translation>La más cercana al despegue</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Normals of the ground</source>
-        <translation>Normales del terreno</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>North-east</source>
         <translation>Noreste</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>North-west</source>
         <translation>Noroeste</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>One ray per pixel</source>
-        <translation>Un rayo por píxel</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>One way</source>
         <translation>Un solo sentido</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>PNG</source>
-        <translation>PNG</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>Paper (UTM grid)</source>
         <translation>Artículo (cuadrícula UTM)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Refused</source>
-        <translation>Se rechazan</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Roadmap</source>
-        <translation>Callejero</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Satellite</source>
-        <translation>Satélite</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>Serpentine (to and fro)</source>
         <translation>En zigzag (ida y vuelta)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>South-east</source>
         <translation>Sureste</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>South-west</source>
         <translation>Suroeste</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>Terrain</source>
-        <translation>Relieve</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>The ellipsoid</source>
-        <translation>El elipsoide</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>The ground below</source>
-        <translation>El terreno debajo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>The take-off</source>
-        <translation>El despegue</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>US survey feet</source>
-        <translation>Pies de agrimensura de EE. UU.</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>added to the heights of all sources, for example for a datum whose grid is missing</source>
-        <translation>se suma a las alturas de todas las fuentes, p. ej. para un dátum del que no hay rejilla aquí</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>airspeed</source>
         <translation>velocidad aérea</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>allow exceeding the error budget</source>
-        <translation>permitir superar el error admisible</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>allow upsampling</source>
-        <translation>permitir sobremuestreo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>also use zooms above the source's native one: images get more pixels, but no more detail</source>
-        <translation>usar también zooms superiores al nativo de la fuente: las imágenes tienen más píxeles, pero no más detalle</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>band {0!r}: must be a name or a number</source>
-        <translation>banda {0!r}: debe ser un nombre o un número</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>bands of a raster file, by name or by number from 1, in the order to write them in: 4 1 2 is infrared, red and green of a file with red, green, blue and infrared; left out, GeoTIFF has all of them, and JPEG and PNG the colours</source>
-        <translation>bandas de un archivo ráster, por nombre o por número desde 1, en el orden en que se han de escribir: 4 1 2 son infrarrojo, rojo y verde de un archivo con rojo, verde, azul e infrarrojo; si se omite, GeoTIFF las tiene todas, y JPEG y PNG las de color</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>bands {0}: each may be named once</source>
-        <translation>bandas {0}: cada una se puede nombrar una vez</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>battery</source>
         <translation>batería</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
         <translation>batería de {0:g} min: necesita un punto de despegue, donde empieza y termina cada salida</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>camera faces</source>
         <translation>la cámara mira a</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>camera faces {0!r}: must be {1}, {2} or an azimuth from -360 to 360</source>
         <translation>la cámara mira a {0!r}: debe ser {1}, {2} o un acimut de -360 a 360</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>capture time of the first image, in UTC as 2024-06-21T10:30:00Z; the clock of the simulated flight starts then</source>
         <translation>hora de captura de la primera imagen, en UTC como 2024-06-21T10:30:00Z; entonces arranca el reloj del vuelo simulado</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>clearance</source>
-        <translation>distancia de seguridad</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>clearance distance</source>
-        <translation>alcance de la distancia de seguridad</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>climb rate</source>
-        <translation>velocidad de ascenso</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>coordinate reference system</source>
-        <translation>sistema de referencia de coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>coordinate reference system {0!r}: must be a code such as EPSG:2056</source>
-        <translation>sistema de referencia de coordenadas {0!r}: debe ser un código como EPSG:2056</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>corner of the rows where the flight begins; for rotated rows the corner nearest to that direction. first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order</source>
         <translation>esquina de las pasadas por la que empieza el vuelo; en pasadas giradas, la más cercana a esa dirección. first: según la disposición de las pasadas; nearest: la esquina más cercana al despegue. Los puntos conservan su orden</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>cover: rows without gaps; paper: the UTM grid of the published paper</source>
         <translation>cubrir: pasadas sin huecos; artículo: la cuadrícula UTM del artículo publicado</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>date of the imagery in the source's own format, where it offers several</source>
-        <translation>fecha de las imágenes en el formato de la fuente, si ofrece varias</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>date {0!r}: must be text without spaces around it, such as 2024-06-21</source>
-        <translation>fecha {0!r}: debe ser texto sin espacios alrededor, como 2024-06-21</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>direction of an area's rows, clockwise from north: 90 flies them east; not for points</source>
         <translation>dirección de las pasadas de un área, en sentido horario desde el norte: con 90 se vuelan hacia el este; los puntos no tienen</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>direction of the image's top edge, clockwise from north, or from grid north of the source's CRS; images turn with rotated rows, and points may state other yaws</source>
         <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; si las pasadas se apartan del este, gira con ellas; si la fuente tiene SRC propio, se cuenta desde el norte de la cuadrícula; los puntos pueden tener guiñadas propias</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>direction of the top of the images, to which the yaw is added: north, which turns with rotated rows; track, the flight direction of each row; or an azimuth in degrees, the same for all images</source>
         <translation>hacia dónde apunta el borde superior de las imágenes, desde donde se cuenta la guiñada: north, girado con las pasadas donde estas se apartan del este; track, el sentido en que se vuela cada pasada; o un acimut en grados, el mismo para todas las imágenes</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>distance flown beyond the end of each row before the turn</source>
         <translation>cuánto sigue el vuelo más allá del final de cada pasada antes de girar</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>distance flown on the line of each row before its first capture</source>
         <translation>cuánto antes de la primera captura de cada pasada vuela ya en línea con ella</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>drone</source>
         <translation>dron</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>drone for DJI files (.kmz); M300 and M350 with the camera P1; dji-fly for drones that use DJI Fly, such as Mini 4 Pro, Air 3 and Mavic 3</source>
         <translation>dron al que se destina un archivo de los programas de DJI (.kmz); M300 y M350 son los que llevan la cámara P1, y dji-fly representa los drones que vuela DJI Fly, como Mini 4 Pro, Air 3 y Mavic 3</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>each image of an area has a yaw at random, by the seed, and rows are as close as that takes; not for tilted cameras, nor for points, which state their yaws</source>
         <translation>cada imagen de un área tiene una guiñada al azar, según la semilla, y las pasadas están tan juntas como haga falta; no para cámaras inclinadas ni para puntos, que indican sus guiñadas</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>elevation</source>
-        <translation>elevación</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>entry</source>
         <translation>entrada</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>entry nearest: needs a take-off point to be near to</source>
         <translation>entrada nearest: necesita un punto de despegue del que estar cerca</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>error budget</source>
-        <translation>error admisible</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>exposure time</source>
         <translation>tiempo de exposición</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>files with a value for every pixel, written beside the images: depth along the optical axis, ground points, normals of the ground, and the mask of faces that no map shows; of all map types together</source>
-        <translation>archivos con un valor para cada píxel, que se escriben junto a las imágenes: profundidad a lo largo del eje óptico, puntos del terreno, normales del terreno y la máscara de las caras que ningún mapa muestra; de todos los tipos de mapa juntos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>flight time of one battery, without the reserve: the flight is split into sorties that begin and end at the take-off</source>
         <translation>tiempo de vuelo de una batería, sin contar la reserva: el vuelo se divide en salidas que empiezan y terminan en el despegue</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>fly the area a second time, in rows across the first: about twice as many images</source>
         <translation>volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>format of the image files, all of which are georeferenced; tif and png are lossless</source>
-        <translation>formato de los archivos de imagen, todos georreferenciados; tif y png no tienen pérdida</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>frame</source>
-        <translation>encuadre</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>greatest motion of the ground in an image during the exposure time, straight below the camera</source>
         <translation>mayor movimiento del terreno en una imagen durante el tiempo de exposición, justo debajo de la cámara</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <location filename="../../core/poses/settings.py"/>
         <source>ground height</source>
         <translation>altura del terreno</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>ground sample distance (GSD) wanted of the source; the closest zoom is used</source>
-        <translation>distancia de muestreo del terreno (GSD) que se pide a la fuente; se usa el zoom más próximo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays traces one ray per pixel</source>
-        <translation>terreno bajo un encuadre de cámara: auto es una malla tan gruesa como permite el error admisible; rays traza un rayo por píxel</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>height above</source>
-        <translation>altura sobre</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>height above gro&amp;und</source>
         <translation>altura sobre el terre&amp;no</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <location filename="../../core/poses/settings.py"/>
         <source>height above ground</source>
         <translation>altura sobre el terreno</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>height of the captures above ground (AGL); coordinates and points may state other heights</source>
         <translation>altura de las capturas sobre el terreno (AGL); las coordenadas y los puntos con alturas llevan la suya</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>height of the ground above the WGS84 ellipsoid</source>
         <translation>altura del terreno sobre el elipsoide WGS84</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>height offset</source>
-        <translation>desplazamiento de altura</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>height tolerance</source>
-        <translation>tolerancia de altura</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>height unit</source>
-        <translation>unidad de altura</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>heights of what cameras see, with buildings and trees, if that differs from the elevation, which the flight follows; given like the elevation, which fills its gaps</source>
-        <translation>de dónde vienen las alturas de lo que ven las cámaras, con edificios y árboles, si no es lo que sigue el vuelo; se nombra como la elevación, que completa sus huecos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>heights {0!r}: must be a file, terrarium, world or a number</source>
-        <translation>alturas {0!r}: debe ser un archivo, terrarium, world o un número</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>how camera frames interpolate between the source's pixels; map frames are not resampled</source>
-        <translation>cómo interpolan los encuadres de cámara entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>how far the camera is turned last, after yaw and tilt, about where the image's top edge points: right side down</source>
         <translation>cuánto gira la cámara al final, tras la guiñada y la inclinación, en torno a la dirección a la que apunta el borde superior de la imagen: lado derecho hacia abajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>how far the view is lifted from straight down towards the image's top edge; 90 looks level</source>
         <translation>cuánto se levanta la vista desde la vertical hacia el borde superior de la imagen; 90 mira al horizonte</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>how the values of a raster file become 8 bits: none leaves them as they are, so that JPEG and PNG need values of 8 bits; percentile stretches from the 2nd to the 98th percentile of the file; two numbers stretch from the first to the second</source>
-        <translation>cómo pasan a 8 bits los valores de un archivo ráster: none los deja como están, de modo que JPEG y PNG necesitan valores de 8 bits; percentile realza del percentil 2 al 98 del archivo; dos números realzan del primero al segundo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>image format</source>
-        <translation>formato de imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>image size</source>
-        <translation>tamaño de imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>image size {0} x {1} px: must be at most {2:,} px along a side and {3:,} px in all</source>
-        <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2:,} px por lado y {3:,} px en total</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
-        <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>image size {0}: must be three whole numbers, width, height and channels</source>
-        <translation>tamaño de imagen {0}: deben ser tres números enteros, anchura, altura y canales</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>image's lo&amp;nger side</source>
-        <translation>&amp;lado mayor de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>image's longer side</source>
-        <translation>lado mayor de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>imageries</source>
-        <translation>varias imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>imagery date</source>
-        <translation>fecha de las imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>imagery {0!r}: must be text, such as 2014=world</source>
-        <translation>imágenes {0!r}: debe ser texto, por ejemplo 2014=world</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>imagery {0}, and source {1} {2} {3} as well: must be one of the two</source>
-        <translation>imágenes {0}, y además la fuente {1} {2} {3}: cada una nombra la suya, así que dé una de las dos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>kinds of imagery, captured into one folder each</source>
-        <translation>clases de imágenes, cada una capturada en su propia carpeta</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>la&amp;yout</source>
         <translation>&amp;disposición</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>latitude and longitude where the flight begins and ends; left out, it goes from the first capture to the last</source>
         <translation>latitud y longitud del lugar donde empieza y termina el vuelo; si se omite, el vuelo va de la primera captura a la última</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>layout</source>
         <translation>disposición</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>lead-in</source>
         <translation>tramo de entrada</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>limit of every image's longer side, in pixels of 256 px tiles: where an image would exceed it, all take a lower zoom; without it there is no limit, or 640 in the layout paper</source>
-        <translation>límite del lado mayor de cada imagen, en píxeles de teselas de 256 px: si una imagen lo superara, todas toman un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>map types</source>
-        <translation>tipos de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>map types {0}: each may be named once</source>
-        <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>map: a window of the source's own pixels, turned by multiples of 90° only, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
-        <translation>map: una ventana de los píxeles propios de la fuente, girada solo en múltiplos de 90°, para cámaras que miran en vertical; camera: la imagen tal como la ve la cámara; auto: un encuadre de mapa donde su error cabe en el presupuesto</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>margin</source>
         <translation>margen</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>maximum image side</source>
-        <translation>lado máximo de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>maximum number of images</source>
-        <translation>número máximo de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>maximum sum of the error bounds of all stages, in pixels of the planned image; the cheapest methods within it are used</source>
-        <translation>suma máxima de las cotas de error de todas las etapas, en píxeles de la imagen planificada; se usan los métodos más económicos que caben en ella</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>mesh</source>
-        <translation>malla</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>minimum image interval</source>
         <translation>intervalo mínimo de imágenes</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>missing heights</source>
-        <translation>alturas que faltan</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>missions with more images are refused</source>
-        <translation>las misiones con más imágenes se rechazan</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>motion blur</source>
         <translation>desenfoque de movimiento</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>name it as the elevation{0}</source>
-        <translation>indíquela como elevación{0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>no map type: give one or more of {0}</source>
-        <translation>ningún tipo de mapa: dé uno o más de {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>numbers of images in flight order, from 1, after which the aircraft lands at the take-off and a new sortie begins, such as 120,340; each part is split further where the battery requires it</source>
         <translation>números de imágenes en el orden de vuelo, desde 1, tras las que la aeronave aterriza en el despegue y empieza otra salida, como 120,340; cada parte se divide más donde la batería lo exige</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>order of rows</source>
         <translation>orden de las pasadas</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>over relief, maximum rate of climb and descent: the flight is higher where the ground is steeper</source>
-        <translation>sobre relieve, velocidad máxima de ascenso y descenso: el vuelo va más alto donde el terreno es más empinado</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>over relief, minimum height above everything within the clearance distance</source>
-        <translation>sobre relieve, altura mínima sobre todo lo que haya dentro del alcance de la distancia de seguridad</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>over relief, reference of the heights of captures: the ground below each one; the ground at the take-off (an area's north-western corner, or the first point), for one height of all; or the ellipsoid</source>
-        <translation>sobre relieve, respecto a qué son las alturas de las capturas: el terreno debajo de cada una; el terreno en el despegue (la esquina noroeste de un área, o el primer punto), una altura para todas; o el elipsoide</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>over relief, with the trigger by distance, how far flights in files for drones may be above or below the planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and hardly higher</source>
-        <translation>sobre relieve, con el disparo por distancia, cuánto pueden estar los vuelos de los archivos para drones por encima o por debajo de los planificados, para que las pasadas necesiten menos puntos de paso; 0 los mantiene no más bajos que lo planificado y apenas más altos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>pixels along the longer side of the camera's image; the zoom closest to its GSD is used; a named camera sets it</source>
-        <translation>píxeles en el lado mayor de la imagen de la cámara; se usa el zoom más próximo a su GSD; una cámara con nombre tiene los suyos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>products</source>
-        <translation>productos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>products {0}: each may be named once</source>
-        <translation>productos {0}: cada uno puede nombrarse una vez</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>radius around each capture within which the clearance is kept</source>
-        <translation>radio en torno a cada captura en el que se mantiene la distancia de seguridad</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>random yaw</source>
         <translation>guiñada al azar</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>reference of the heights: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; by default the one that the source states, otherwise the ellipsoid</source>
-        <translation>desde dónde cuentan las alturas: ellipsoid, EGM96, EGM2008 o el código de un sistema vertical como EPSG:5773; si se omite, lo que indique la fuente, y el elipsoide donde no indique nada</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>resize images: width, height, channels (1 or 3)</source>
-        <translation>redimensionar las imágenes: anchura, altura, canales (1 o 3)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>roll</source>
         <translation>alabeo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>row azimuth</source>
         <translation>acimut de las pasadas</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>rows of an area that are not flown, by their numbers in the names of images, such as 3,7-9: the other images keep their names; not for points</source>
         <translation>pasadas de un área que no se vuelan, por sus números en los nombres de las imágenes, como 3,7-9: las demás imágenes conservan sus nombres; no para puntos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>seed</source>
-        <translation>semilla</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>seed of everything random, such as the synthetic landscape and gusts of wind</source>
-        <translation>inicio de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>serpentine: every other row is flown back; one-way: every row is flown from its beginning</source>
         <translation>en zigzag: una de cada dos pasadas se vuela de vuelta; un solo sentido: cada pasada se vuela desde su comienzo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>set a take-off point{0}</source>
         <translation>indique un punto de despegue{0}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME; without NAME=, the name is made from the source</source>
-        <translation>varias imágenes de origen en paralelo, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia; sin NOMBRE=, con un nombre formado a partir de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>share of an image that the next one in its row also shows</source>
         <translation>parte de una imagen que la siguiente de su pasada vuelve a mostrar</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>share of an image that the next row also shows</source>
         <translation>parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>shortest time between two images that the camera can sustain</source>
         <translation>el tiempo más corto entre dos imágenes que la cámara puede mantener</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>skipped rows {0!r}: must be numbers and ranges such as 3,7-9</source>
         <translation>pasadas omitidas {0!r}: deben ser números e intervalos como 3,7-9</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>source</source>
-        <translation>fuente</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>source is empty: name one, or give a URL template or a file</source>
-        <translation>la fuente está vacía: nombre una, o dé una plantilla de URL o un archivo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>speed of the flight through the air</source>
         <translation>velocidad del vuelo respecto al aire</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>split after</source>
         <translation>dividir tras</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>split after image {0}: needs a take-off point, where each sortie begins and ends</source>
         <translation>división tras la imagen {0}: requiere un punto de despegue, donde empieza y termina cada salida</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>split after {0!r}: must be numbers of images such as 120,340</source>
         <translation>dividir tras {0!r}: deben ser números de imágenes como 120,340</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>split after {0:,} images: a flight has at most {1:,} sorties</source>
         <translation>división tras {0:,} imágenes: un vuelo tiene como máximo {1:,} salidas</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>start</source>
         <translation>inicio</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>start {0!r}: must be UTC as 2024-06-21T10:30:00Z</source>
         <translation>inicio {0!r}: debe ser UTC como 2024-06-21T10:30:00Z</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>start {0!r}: no such time ({1})</source>
         <translation>inicio {0!r}: no existe tal hora ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>stretch</source>
-        <translation>realce</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>stretch {0!r}: must be none, percentile, or two numbers, the lower one first</source>
-        <translation>realce {0!r}: debe ser none, percentile o dos números, primero el menor</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>surface</source>
-        <translation>superficie</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>surface {0}: needs an elevation as well, the ground that the flight follows</source>
-        <translation>superficie {0}: necesita también una elevación, el terreno que sigue el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>system of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the Web-Mercator map; left out, the source's own, or the map's where a service has both</source>
-        <translation>sistema de las imágenes, como EPSG:2056: uno en el que la fuente tenga píxeles, o EPSG:3857 para los del mapa Web Mercator; si se omite, el de la fuente, o el del mapa si un servicio tiene ambos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>take-off</source>
         <translation>despegue</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
         <translation>despegue {0}: debe ser una latitud de -90 a 90 y una longitud de -360 a 360 grados</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <location filename="../../core/poses/settings.py"/>
         <source>tilt</source>
         <translation>inclinación</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>time that the shutter is open; with the motion blur it limits the speed of the flight, and does not blur the images</source>
         <translation>tiempo que el obturador está abierto; con el desenfoque de movimiento limita la velocidad del vuelo, y no desenfoca las imágenes</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>treatment of places in the area where the first source of heights has none: filled from the next source that has one, and counted; or also interpolated where no source has one, from heights within 100 pixels on all sides; or refused</source>
-        <translation>qué se hace con los lugares del área de los que la primera fuente no tiene altura: se rellenan con la siguiente fuente que la tenga, y se cuentan; o además se interpolan donde ninguna la tiene, a partir de alturas a menos de 100 píxeles por todos los lados; o se rechazan</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>trigger</source>
         <translation>disparo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>turnaround</source>
         <translation>prolongación para el giro</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>unit of the sources of heights; by default the one that they state, otherwise metres</source>
-        <translation>unidad de las fuentes de alturas; si se omite, la que ellas indiquen, y metros donde no indiquen ninguna</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>use the most accurate methods where none stay within the error budget, instead of refusing the mission</source>
-        <translation>usar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>vertical datum</source>
-        <translation>dátum vertical</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance flown along each row; hover: the aircraft stops at each waypoint</source>
         <translation>waypoint: una imagen en cada punto de ruta, sin detenerse; distance: la cámara se dispara según la distancia volada en cada pasada; hover: la aeronave se detiene en cada punto de ruta</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>where heights of the ground come from: raster files, terrarium (public tiles), terrarium:SOURCE or terrain-rgb:SOURCE (tiles so encoded), world, or a number; of several the first that has a height counts; left out, the ground is level</source>
-        <translation>de dónde vienen las alturas del terreno: archivos ráster, terrarium (teselas públicas), terrarium:FUENTE o terrain-rgb:FUENTE (teselas así codificadas), world o un número; de varias cuenta la primera que tenga una altura; si falta, el terreno es llano</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>where the imagery comes from: a name or title (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL, or a file (GeoTIFF, VRT, MBTiles, …)</source>
-        <translation>de dónde vienen las imágenes: un nombre o título (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, arcgis:URL, ogcapi:URL o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>width of the ground around an area that is also covered; not for points</source>
         <translation>anchura del terreno alrededor de un área que también se cubre; los puntos no tienen</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>yaw</source>
         <translation>guiñada</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Automatic</source>
+        <translation>Automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Bicubic</source>
+        <translation>Bicúbico</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Bilinear</source>
+        <translation>Bilineal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Camera frame (as seen)</source>
+        <translation>Encuadre de cámara (como se ve)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Depth along the optical axis</source>
+        <translation>Profundidad a lo largo del eje óptico</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Faces that no map shows</source>
+        <translation>Caras que ningún mapa muestra</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>GeoTIFF (lossless)</source>
+        <translation>GeoTIFF (sin pérdida)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Ground points</source>
+        <translation>Puntos del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>JPEG (smaller)</source>
+        <translation>JPEG (menor)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Lanczos</source>
+        <translation>Lanczos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Map frame (not resampled)</source>
+        <translation>Encuadre de mapa (sin remuestreo)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Nearest pixel</source>
+        <translation>Píxel más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Normals of the ground</source>
+        <translation>Normales del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>One ray per pixel</source>
+        <translation>Un rayo por píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>PNG</source>
+        <translation>PNG</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Roadmap</source>
+        <translation>Callejero</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Satellite</source>
+        <translation>Satélite</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>allow exceeding the error budget</source>
+        <translation>permitir superar el error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>allow upsampling</source>
+        <translation>permitir sobremuestreo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>also use zooms above the source's native one: images get more pixels, but no more detail</source>
+        <translation>usar también zooms superiores al nativo de la fuente: las imágenes tienen más píxeles, pero no más detalle</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>band {0!r}: must be a name or a number</source>
+        <translation>banda {0!r}: debe ser un nombre o un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>bands of a raster file, by name or by number from 1, in the order to write them in: 4 1 2 is infrared, red and green of a file with red, green, blue and infrared; left out, GeoTIFF has all of them, and JPEG and PNG the colours</source>
+        <translation>bandas de un archivo ráster, por nombre o por número desde 1, en el orden en que se han de escribir: 4 1 2 son infrarrojo, rojo y verde de un archivo con rojo, verde, azul e infrarrojo; si se omite, GeoTIFF las tiene todas, y JPEG y PNG las de color</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>bands {0}: each may be named once</source>
+        <translation>bandas {0}: cada una se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>coordinate reference system</source>
+        <translation>sistema de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>coordinate reference system {0!r}: must be a code such as EPSG:2056</source>
+        <translation>sistema de referencia de coordenadas {0!r}: debe ser un código como EPSG:2056</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>date of the imagery in the source's own format, where it offers several</source>
+        <translation>fecha de las imágenes en el formato de la fuente, si ofrece varias</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>date {0!r}: must be text without spaces around it, such as 2024-06-21</source>
+        <translation>fecha {0!r}: debe ser texto sin espacios alrededor, como 2024-06-21</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>error budget</source>
+        <translation>error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>files with a value for every pixel, written beside the images: depth along the optical axis, ground points, normals of the ground, and the mask of faces that no map shows; of all map types together</source>
+        <translation>archivos con un valor para cada píxel, que se escriben junto a las imágenes: profundidad a lo largo del eje óptico, puntos del terreno, normales del terreno y la máscara de las caras que ningún mapa muestra; de todos los tipos de mapa juntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>format of the image files, all of which are georeferenced; tif and png are lossless</source>
+        <translation>formato de los archivos de imagen, todos georreferenciados; tif y png no tienen pérdida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>frame</source>
+        <translation>encuadre</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>ground sample distance (GSD) wanted of the source; the closest zoom is used</source>
+        <translation>distancia de muestreo del terreno (GSD) que se pide a la fuente; se usa el zoom más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays traces one ray per pixel</source>
+        <translation>terreno bajo un encuadre de cámara: auto es una malla tan gruesa como permite el error admisible; rays traza un rayo por píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>how camera frames interpolate between the source's pixels; map frames are not resampled</source>
+        <translation>cómo interpolan los encuadres de cámara entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>how the values of a raster file become 8 bits: none leaves them as they are, so that JPEG and PNG need values of 8 bits; percentile stretches from the 2nd to the 98th percentile of the file; two numbers stretch from the first to the second</source>
+        <translation>cómo pasan a 8 bits los valores de un archivo ráster: none los deja como están, de modo que JPEG y PNG necesitan valores de 8 bits; percentile realza del percentil 2 al 98 del archivo; dos números realzan del primero al segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>image format</source>
+        <translation>formato de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>image size</source>
+        <translation>tamaño de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>image size {0} x {1} px: must be at most {2:,} px along a side and {3:,} px in all</source>
+        <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2:,} px por lado y {3:,} px en total</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
+        <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>image size {0}: must be three whole numbers, width, height and channels</source>
+        <translation>tamaño de imagen {0}: deben ser tres números enteros, anchura, altura y canales</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>image's lo&amp;nger side</source>
+        <translation>&amp;lado mayor de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>image's longer side</source>
+        <translation>lado mayor de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>imageries</source>
+        <translation>varias imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>imagery date</source>
+        <translation>fecha de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>imagery {0!r}: must be text, such as 2014=world</source>
+        <translation>imágenes {0!r}: debe ser texto, por ejemplo 2014=world</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>imagery {0}, and source {1} {2} {3} as well: must be one of the two</source>
+        <translation>imágenes {0}, y además la fuente {1} {2} {3}: cada una nombra la suya, así que dé una de las dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>kinds of imagery, captured into one folder each</source>
+        <translation>clases de imágenes, cada una capturada en su propia carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>limit of every image's longer side, in pixels of 256 px tiles: where an image would exceed it, all take a lower zoom; without it there is no limit, or 640 in the layout paper</source>
+        <translation>límite del lado mayor de cada imagen, en píxeles de teselas de 256 px: si una imagen lo superara, todas toman un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>map types</source>
+        <translation>tipos de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>map types {0}: each may be named once</source>
+        <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>map: a window of the source's own pixels, turned by multiples of 90° only, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
+        <translation>map: una ventana de los píxeles propios de la fuente, girada solo en múltiplos de 90°, para cámaras que miran en vertical; camera: la imagen tal como la ve la cámara; auto: un encuadre de mapa donde su error cabe en el presupuesto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>maximum image side</source>
+        <translation>lado máximo de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>maximum number of images</source>
+        <translation>número máximo de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>maximum sum of the error bounds of all stages, in pixels of the planned image; the cheapest methods within it are used</source>
+        <translation>suma máxima de las cotas de error de todas las etapas, en píxeles de la imagen planificada; se usan los métodos más económicos que caben en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>mesh</source>
+        <translation>malla</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>missions with more images are refused</source>
+        <translation>las misiones con más imágenes se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>no map type: give one or more of {0}</source>
+        <translation>ningún tipo de mapa: dé uno o más de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>pixels along the longer side of the camera's image; the zoom closest to its GSD is used; a named camera sets it</source>
+        <translation>píxeles en el lado mayor de la imagen de la cámara; se usa el zoom más próximo a su GSD; una cámara con nombre tiene los suyos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>products</source>
+        <translation>productos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>products {0}: each may be named once</source>
+        <translation>productos {0}: cada uno puede nombrarse una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>resize images: width, height, channels (1 or 3)</source>
+        <translation>redimensionar las imágenes: anchura, altura, canales (1 o 3)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>seed</source>
+        <translation>semilla</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>seed of everything random, such as the synthetic landscape and gusts of wind</source>
+        <translation>inicio de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME; without NAME=, the name is made from the source</source>
+        <translation>varias imágenes de origen en paralelo, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia; sin NOMBRE=, con un nombre formado a partir de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>source</source>
+        <translation>fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>source is empty: name one, or give a URL template or a file</source>
+        <translation>la fuente está vacía: nombre una, o dé una plantilla de URL o un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>stretch</source>
+        <translation>realce</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>stretch {0!r}: must be none, percentile, or two numbers, the lower one first</source>
+        <translation>realce {0!r}: debe ser none, percentile o dos números, primero el menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>system of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the Web-Mercator map; left out, the source's own, or the map's where a service has both</source>
+        <translation>sistema de las imágenes, como EPSG:2056: uno en el que la fuente tenga píxeles, o EPSG:3857 para los del mapa Web Mercator; si se omite, el de la fuente, o el del mapa si un servicio tiene ambos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>use the most accurate methods where none stay within the error budget, instead of refusing the mission</source>
+        <translation>usar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>where the imagery comes from: a name or title (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL, or a file (GeoTIFF, VRT, MBTiles, …)</source>
+        <translation>de dónde vienen las imágenes: un nombre o título (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, arcgis:URL, ogcapi:URL o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <source>zoom</source>
         <translation>zoom</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <source>zoom of the source, instead of the one closest to the camera's GSD</source>
         <translation>zoom de la fuente, en lugar del más próximo a la GSD de la cámara</translation>
     </message>
     <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
         <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dé uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>As the source says</source>
+        <translation>Lo que diga la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>Feet</source>
+        <translation>Pies</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>Filled from the next source</source>
+        <translation>Se rellenan con la fuente siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>Interpolated where no source has any</source>
+        <translation>Se interpolan donde ninguna fuente las tiene</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>Metres</source>
+        <translation>Metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>Refused</source>
+        <translation>Se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>The ellipsoid</source>
+        <translation>El elipsoide</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>The ground below</source>
+        <translation>El terreno debajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>The take-off</source>
+        <translation>El despegue</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>US survey feet</source>
+        <translation>Pies de agrimensura de EE. UU.</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>added to the heights of all sources, for example for a datum whose grid is missing</source>
+        <translation>se suma a las alturas de todas las fuentes, p. ej. para un dátum del que no hay rejilla aquí</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>clearance</source>
+        <translation>distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>clearance distance</source>
+        <translation>alcance de la distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>climb rate</source>
+        <translation>velocidad de ascenso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>elevation</source>
+        <translation>elevación</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>height above</source>
+        <translation>altura sobre</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>height offset</source>
+        <translation>desplazamiento de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>height tolerance</source>
+        <translation>tolerancia de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>height unit</source>
+        <translation>unidad de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>heights of what cameras see, with buildings and trees, if that differs from the elevation, which the flight follows; given like the elevation, which fills its gaps</source>
+        <translation>de dónde vienen las alturas de lo que ven las cámaras, con edificios y árboles, si no es lo que sigue el vuelo; se nombra como la elevación, que completa sus huecos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>heights {0!r}: must be a file, terrarium, world or a number</source>
+        <translation>alturas {0!r}: debe ser un archivo, terrarium, world o un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>missing heights</source>
+        <translation>alturas que faltan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>name it as the elevation{0}</source>
+        <translation>indíquela como elevación{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>over relief, maximum rate of climb and descent: the flight is higher where the ground is steeper</source>
+        <translation>sobre relieve, velocidad máxima de ascenso y descenso: el vuelo va más alto donde el terreno es más empinado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>over relief, minimum height above everything within the clearance distance</source>
+        <translation>sobre relieve, altura mínima sobre todo lo que haya dentro del alcance de la distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>over relief, reference of the heights of captures: the ground below each one; the ground at the take-off (an area's north-western corner, or the first point), for one height of all; or the ellipsoid</source>
+        <translation>sobre relieve, respecto a qué son las alturas de las capturas: el terreno debajo de cada una; el terreno en el despegue (la esquina noroeste de un área, o el primer punto), una altura para todas; o el elipsoide</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>over relief, with the trigger by distance, how far flights in files for drones may be above or below the planned ones, so that rows need fewer waypoints; 0 keeps them no lower than planned, and hardly higher</source>
+        <translation>sobre relieve, con el disparo por distancia, cuánto pueden estar los vuelos de los archivos para drones por encima o por debajo de los planificados, para que las pasadas necesiten menos puntos de paso; 0 los mantiene no más bajos que lo planificado y apenas más altos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>radius around each capture within which the clearance is kept</source>
+        <translation>radio en torno a cada captura en el que se mantiene la distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>reference of the heights: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; by default the one that the source states, otherwise the ellipsoid</source>
+        <translation>desde dónde cuentan las alturas: ellipsoid, EGM96, EGM2008 o el código de un sistema vertical como EPSG:5773; si se omite, lo que indique la fuente, y el elipsoide donde no indique nada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>surface</source>
+        <translation>superficie</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>surface {0}: needs an elevation as well, the ground that the flight follows</source>
+        <translation>superficie {0}: necesita también una elevación, el terreno que sigue el vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>treatment of places in the area where the first source of heights has none: filled from the next source that has one, and counted; or also interpolated where no source has one, from heights within 100 pixels on all sides; or refused</source>
+        <translation>qué se hace con los lugares del área de los que la primera fuente no tiene altura: se rellenan con la siguiente fuente que la tenga, y se cuentan; o además se interpolan donde ninguna la tiene, a partir de alturas a menos de 100 píxeles por todos los lados; o se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>unit of the sources of heights; by default the one that they state, otherwise metres</source>
+        <translation>unidad de las fuentes de alturas; si se omite, la que ellas indiquen, y metros donde no indiquen ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>vertical datum</source>
+        <translation>dátum vertical</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>where heights of the ground come from: raster files, terrarium (public tiles), terrarium:SOURCE or terrain-rgb:SOURCE (tiles so encoded), world, or a number; of several the first that has a height counts; left out, the ground is level</source>
+        <translation>de dónde vienen las alturas del terreno: archivos ráster, terrarium (teselas públicas), terrarium:FUENTE o terrain-rgb:FUENTE (teselas así codificadas), world o un número; de varias cuenta la primera que tenga una altura; si falta, el terreno es llano</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>

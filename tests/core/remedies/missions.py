@@ -205,7 +205,7 @@ def _asked(**values):
     return settings.build_mission(settings.resolve(values, environment={}))
 
 
-@remedy("mission/parts.py", "no map type: give one or more of {}")
+@remedy("mission/parts/pictures.py", "no map type: give one or more of {}")
 def _no_map_type(case: Case) -> None:
     case.refused(lambda: Mission(AREA, 120.0, map_types=()))
     made = partial(Mission, AREA, 120.0)
@@ -214,7 +214,7 @@ def _no_map_type(case: Case) -> None:
     case.follow("give one or more of", lambda: made(map_types=("terrain", "roadmap")))
 
 
-@remedy("mission/parts.py", "source is empty: name one, or give a URL template or a file")
+@remedy("mission/parts/pictures.py", "source is empty: name one, or give a URL template or a file")
 def _no_source(case: Case) -> None:
     case.refused(lambda: Mission(AREA, 120.0, source=""))
     case.follow("name one", lambda: Mission(AREA, 120.0, source="usgs"))
@@ -222,7 +222,7 @@ def _no_source(case: Case) -> None:
     case.follow("a file", lambda: Mission(AREA, 120.0, source="ortho.tif"))
 
 
-@remedy("mission/parts.py", "zoom {} and ground sample distance {} m: give one of the two")
+@remedy("mission/parts/pictures.py", "zoom {} and ground sample distance {} m: give one of the two")
 def _pixels_twice(case: Case) -> None:
     case.refused(lambda: Mission(AREA, 120.0, zoom=18, gsd_m_per_px=0.5))
     Mission(AREA, 120.0, zoom=18)

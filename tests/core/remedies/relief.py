@@ -218,7 +218,7 @@ def _beside_the_tower(case: Case) -> None:
 
 
 @remedy(
-    "mission/parts.py",
+    "mission/parts/terrain.py",
     "surface {}: needs an elevation as well, the ground that the flight follows; name it as the elevation "
     "(--elevation)",
 )

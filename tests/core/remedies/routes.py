@@ -22,7 +22,7 @@ def flown(mission=FIELD, **changes):
     return plan(mission.replace(**changes), PixelGrid()).path
 
 
-@remedy("mission/parts.py", "set a take-off point (--takeoff)")
+@remedy("mission/parts/flown.py", "set a take-off point (--takeoff)")
 def _no_takeoff(case: Case) -> None:
     case.refused(lambda: FIELD.replace(takeoff=None, entry="nearest"))
     case.follow("set a take-off point (--takeoff)", lambda: FIELD.replace(entry="nearest", battery_min=10.0))

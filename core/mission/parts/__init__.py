@@ -1,0 +1,110 @@
+"""The parts of a mission whose fields are plain values, each declared once; without numpy, so that help is quick.
+
+In reading order:
+
+- `flown`: attitude, flight and route
+- `terrain`: relief
+- `pictures`: imagery, pixels, accuracy and files
+"""
+
+from __future__ import annotations
+
+from ...fields import CheckedFields
+from .flown import (
+    ALIGNMENTS,
+    BY_DISTANCE,
+    BY_WAYPOINT,
+    COMPASS_CORNERS,
+    COVER,
+    DJI_FLY,
+    EASTWARD_DEG,
+    FIRST,
+    HIGHEST_AGL_M,
+    HOVER,
+    LONGEST_SIDE,
+    MOST_SORTIES,
+    NEAREST,
+    NORTH,
+    ONE_WAY,
+    PAPER,
+    SERPENTINE,
+    SHORTEST,
+    TRACK,
+    Attitude,
+    Flight,
+    Route,
+    utc_time,
+)
+from .pictures import (
+    AUTO,
+    RAYS,
+    Accuracy,
+    Imagery,
+    Output,
+    Pixels,
+)
+from .terrain import (
+    ELLIPSOID,
+    FILL,
+    GROUND,
+    HIGHEST_GROUND_M,
+    INTERPOLATE,
+    LOWEST_GROUND_M,
+    REFUSE,
+    TAKEOFF,
+    Terrain,
+)
+
+__all__ = [
+    "ALIGNMENTS",
+    "AUTO",
+    "BY_DISTANCE",
+    "BY_WAYPOINT",
+    "COMPASS_CORNERS",
+    "COVER",
+    "DJI_FLY",
+    "EASTWARD_DEG",
+    "ELLIPSOID",
+    "FILL",
+    "FIRST",
+    "FLAT_PARTS",
+    "GROUND",
+    "HIGHEST_AGL_M",
+    "HIGHEST_GROUND_M",
+    "HOVER",
+    "INTERPOLATE",
+    "LONGEST_SIDE",
+    "LOWEST_GROUND_M",
+    "MOST_SORTIES",
+    "NEAREST",
+    "NORTH",
+    "ONE_WAY",
+    "PAPER",
+    "RAYS",
+    "REFUSE",
+    "SERPENTINE",
+    "SHORTEST",
+    "TAKEOFF",
+    "TRACK",
+    "Accuracy",
+    "Attitude",
+    "Flight",
+    "Imagery",
+    "Output",
+    "Pixels",
+    "Route",
+    "Terrain",
+    "utc_time",
+]
+
+#: Parts whose fields a mission takes by name; no two parts share a name.
+FLAT_PARTS: dict[str, type[CheckedFields]] = {
+    "attitude": Attitude,
+    "flight": Flight,
+    "imagery": Imagery,
+    "pixels": Pixels,
+    "accuracy": Accuracy,
+    "terrain": Terrain,
+    "route": Route,
+    "output": Output,
+}
