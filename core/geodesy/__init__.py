@@ -12,6 +12,7 @@ In reading order:
 - `projections`: UTM, a conformal plane about any place, geodesics, and transformations
 - `vertical`: vertical datums by name and code
 - `local`: metres east, north and up from a place
+- `triangles`: triangles in the Earth's frame
 - `sun`: height and azimuth of the sun
 - `ways`: shortest ways around polygons in a plane
 - `quaternions`: unit quaternions and rotations

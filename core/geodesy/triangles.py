@@ -1,0 +1,84 @@
+"""Triangles in the Earth's frame: buildings, and what else stands on the relief with walls."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Protocol
+
+import numpy as np
+
+from ..arrays import Flags, Floats, NDArray, Numbers
+
+#: Kinds of surfaces: the relief itself, and those of buildings.
+RELIEF, ROOF, WALL, FLOOR = 0, 1, 2, 3
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Triangles (n,), seen from both sides.
+
+    Parameters
+    ----------
+    corners_m : array (n, 3, 3)
+        Geocentric coordinates of the corners (WGS 84, EPSG:4978), metres; counter-clockwise seen from outside.
+    kind : array (n,) of uint8
+        `ROOF`, `WALL` or `FLOOR`, the underside.
+    instance : array (n,) of int64
+        Number of the building, from 1.
+    colour : array (n, 3) of uint8
+        Colour, red, green and blue, where no imagery shows the surface.
+    shows_imagery : array (n,) of bool
+        Whether the imagery shows the surface: roofs with nothing above them.
+    """
+
+    corners_m: Floats
+    kind: NDArray[np.uint8]
+    instance: Numbers
+    colour: NDArray[np.uint8]
+    shows_imagery: Flags
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+    def take(self, which: Numbers | Flags) -> Triangles:
+        """Triangles of some indices, or where a mask is true."""
+        return Triangles(*(getattr(self, one.name)[which] for one in fields(self)))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Triangles]) -> Triangles:
+        """Triangles of several parts, one after the other."""
+        if not parts:
+            return NO_TRIANGLES
+        return cls(*(np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(cls)))
+
+
+NO_TRIANGLES = Triangles(
+    np.empty((0, 3, 3)),
+    np.empty(0, np.uint8),
+    np.empty(0, np.int64),
+    np.empty((0, 3), np.uint8),
+    np.empty(0, np.bool_),
+)
+
+
+class FaceModel(Protocol):
+    """Source of triangles that stand on the relief."""
+
+    @property
+    def title(self) -> str:
+        """Name for users."""
+
+    @property
+    def attribution(self) -> str:
+        """Credit for the faces."""
+
+    @property
+    def highest_m(self) -> float:
+        """Greatest height of any face above the ground below it."""
+
+    def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
+        """Triangles of all buildings that reach into the bounding box of positions; longitudes are continuous.
+
+        Buildings whose height and width are below ``least_m`` may be left out.
+        """
