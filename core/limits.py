@@ -59,6 +59,8 @@ MAX_PICTURE_SIDE_PX = 20_000
 MAX_BANDS = 1_000
 #: Sources of heights of one mission.
 MAX_HEIGHT_SOURCES = 16
+#: Vector layers of labels, or of buildings, of one mission.
+MAX_VECTOR_LAYERS = 16
 #: Imageries of one mission.
 MAX_IMAGERIES = 64
 #: Poses that are drawn at random, or flown along a line.

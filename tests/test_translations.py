@@ -114,8 +114,8 @@ def test_keys_of_a_menu_or_form_differ(translations):
 
 def _declared_with_keys(translations):
     """Titles with a key of the fields that a mission declares: they stand in the panel, too."""
-    texts = translations.core_texts(ROOT / "core" / "mission" / "parts.py")
-    found = {text for text in texts if translations.mnemonics_of(text)}
+    parts = (ROOT / "core" / "mission" / "parts").glob("*.py")
+    found = {text for part in parts for text in translations.core_texts(part) if translations.mnemonics_of(text)}
     assert found
     return sorted(found)
 

@@ -49,8 +49,10 @@ _PARTS = {
     "imagery": "Imagery",
     "pixels": "Pixels",
     "accuracy": "Accuracy",
-    "terrain": "Relief",
+    "terrain": "Relief and buildings",
+    "labels": "Labels",
     "route": "Flight path",
+    "labels": "Labels of pixels",
     "output": "Output",
 }
 #: Names of options that do not follow from the name of one field.

@@ -43,7 +43,7 @@ class CaptureFolder(ABC):
         """
         make_folder(self.root)
         imagery = mission.imagery
-        folders = tuple(one.name for one in imagery.named) or (*imagery.map_types, *mission.output.products)
+        folders = tuple(one.name for one in imagery.named) or (*imagery.map_types, *mission.products)
         wanted = mission.to_json().encode("utf-8")
         found = self._read_mark()
         if found is None:

@@ -268,7 +268,7 @@ class ImageMaker:
         plan = self.parts.plan
         # Products are the same for all map types and made with the first.
         is_first = map_type == plan.mission.imagery.map_types[0]
-        products_in = self.folder if is_first and plan.mission.output.products else None
+        products_in = self.folder if is_first and plan.mission.products else None
         for index in order:
             job = image_job(
                 plan,

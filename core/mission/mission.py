@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from typing import Any, TypeVar
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
 from ..fields import Field, declared_fields
 from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
@@ -22,12 +22,14 @@ from .parts import (
     BY_DISTANCE,
     BY_WAYPOINT,
     FLAT_PARTS,
+    LABELLED,
     PAPER,
     Accuracy,
     Attitude,
     Flight,
     Imagery,
     Output,
+    PixelLabels,
     Pixels,
     Route,
     Terrain,
@@ -91,6 +93,7 @@ class Mission:
     accuracy: Accuracy
     terrain: Terrain
     route: Route
+    labels: PixelLabels
     output: Output
     no_fly: tuple[Polygon, ...]
 
@@ -111,6 +114,14 @@ class Mission:
     def _keep(self, **parts: Any) -> None:
         """Set the parts, each of which is valid, after checking that they go together."""
         check_ground(parts["area"])
+        asked = sorted(set(LABELLED) & set(parts["output"].products))
+        if asked and not (parts["labels"].labels or parts["terrain"].buildings):
+            raise InvalidInput(
+                "product {0}: needs labels or buildings",
+                asked[0],
+                field="products",
+                remedy=Message("name vector layers{0}", OptionName("labels").in_brackets),
+            )
         if parts["wind"] is not None:
             parts["wind"].checked(parts["flight"].airspeed_m_per_s)
         # Drop duplicates, and accept a list.
@@ -135,6 +146,12 @@ class Mission:
         if self.route.trigger == BY_DISTANCE and not self.area.covers_ground:
             return BY_WAYPOINT
         return self.route.trigger
+
+    @property
+    def products(self) -> tuple[str, ...]:
+        """Products to write: those asked for; with labels, classes and instances if neither is."""
+        asked = self.output.products
+        return (*asked, *LABELLED) if self.labels.labels and not set(LABELLED) & set(asked) else asked
 
     @property
     def missions_by_imagery(self) -> dict[str, Mission]:

@@ -9,10 +9,10 @@ from typing import Any, Callable
 from ..errors import InvalidInput
 from ..fields import Field, declared_fields
 from ..geodesy.lens import Lens
-from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES
+from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES, MAX_VECTOR_LAYERS
 from ..numbers import integer, real_number
 from ..units import LENGTHS_M
-from .parts import AUTO, Accuracy, Attitude, Flight, Imagery, Output, Pixels, Route, Terrain
+from .parts import AUTO, Accuracy, Attitude, Flight, Imagery, Output, PixelLabels, Pixels, Route, Terrain
 from .presets import PRESET_NAMES
 
 #: Kinds of missions.
@@ -74,6 +74,8 @@ class Option:
             "imageries": (1, MAX_IMAGERIES),
             "elevation": (1, MAX_HEIGHT_SOURCES),
             "surface": (1, MAX_HEIGHT_SOURCES),
+            "buildings": (1, MAX_VECTOR_LAYERS),
+            "labels": (1, MAX_VECTOR_LAYERS),
             "products": (1, len(field.choices)),
             "stretch": (1, 2),
             "takeoff": (2, 2),
@@ -238,7 +240,7 @@ OPTIONS: tuple[Option, ...] = (
     *_fields(Imagery),
     _image_px(),
     *_fields(Pixels, but=("image_px",)),
-    *_fields(Accuracy, Terrain, Route, Output),
+    *_fields(Accuracy, Terrain, Route, PixelLabels, Output),
     Option(
         "dataset",
         str,

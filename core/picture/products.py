@@ -44,7 +44,7 @@ def products(
     name, array (height, width, bands or one more) of the type in `BANDS`
         An extra channel is 0 where the picture shows no ground.
     """
-    wanted = plan.mission.output.products
+    wanted = plan.mission.products
     if not wanted:
         return
     seen = sighting(plan, index, size_px, shot)

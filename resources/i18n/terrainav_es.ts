@@ -13502,6 +13502,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>misión sin {0}: el campo es necesario</translation>
     </message>
     <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>name vector layers{0}</source>
+        <translation>indique capas vectoriales{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>product {0}: needs labels or buildings</source>
+        <translation>producto {0}: necesita etiquetas o edificios</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/options.py"/>
         <source>{0} {1!r}: must be true or false</source>
         <translation>{0} {1!r}: debe ser verdadero o falso</translation>
@@ -13965,6 +13975,61 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>guiñada</translation>
     </message>
     <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>field of numbers by which overlapping features of a layer lie on top, the greatest last; by default later features lie on top of earlier ones</source>
+        <translation>campo de números según el cual se superponen los objetos de una capa, el mayor encima; por omisión, los objetos posteriores quedan encima de los anteriores</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>label order {0!r}: must be the name of a field, without spaces around it</source>
+        <translation>orden de etiquetas {0!r}: debe ser el nombre de un campo, sin espacios alrededor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>labels</source>
+        <translation>etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>labels {0!r}: must be a file, FILE:FIELD, FILE:LAYER or FILE:LAYER:FIELD</source>
+        <translation>etiquetas {0!r}: debe ser un archivo, ARCHIVO:CAMPO, ARCHIVO:CAPA o ARCHIVO:CAPA:CAMPO</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>labels {0}: each layer may be named once</source>
+        <translation>etiquetas {0}: cada capa puede indicarse una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>order of labels</source>
+        <translation>orden de las etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>radius of points</source>
+        <translation>radio de los puntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>radius on the ground of labels that are points</source>
+        <translation>radio en el terreno de las etiquetas que son puntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>vector files whose features give each pixel its class and instance, as FILE, FILE:FIELD, FILE:LAYER or FILE:LAYER:FIELD; the field holds the classes, without one the layer is one class; of several files, later ones lie on top</source>
+        <translation>archivos vectoriales cuyos objetos dan a cada píxel su clase y su instancia, como ARCHIVO, ARCHIVO:CAMPO, ARCHIVO:CAPA o ARCHIVO:CAPA:CAMPO; el campo contiene las clases, sin él la capa es una sola clase; de varios archivos, los posteriores quedan encima</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>width of lines</source>
+        <translation>anchura de las líneas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/labels.py"/>
+        <source>width on the ground of labels that are lines</source>
+        <translation>anchura en el terreno de las etiquetas que son líneas</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/parts/pictures.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
@@ -13986,6 +14051,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Classes of labels and buildings</source>
+        <translation>Clases de etiquetas y edificios</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <source>Depth along the optical axis</source>
         <translation>Profundidad a lo largo del eje óptico</translation>
     </message>
@@ -14003,6 +14073,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/pictures.py"/>
         <source>Ground points</source>
         <translation>Puntos del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Instances of labels and buildings</source>
+        <translation>Instancias de etiquetas y edificios</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
@@ -14111,8 +14186,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
-        <source>files with a value for every pixel, written beside the images: depth along the optical axis, ground points, normals of the ground, and the mask of faces that no map shows; of all map types together</source>
-        <translation>archivos con un valor para cada píxel, que se escriben junto a las imágenes: profundidad a lo largo del eje óptico, puntos del terreno, normales del terreno y la máscara de las caras que ningún mapa muestra; de todos los tipos de mapa juntos</translation>
+        <source>files with a value for every pixel, written beside the images: depth along the optical axis, ground points, normals, the mask of faces that no map shows, and the class and instance of labels and buildings; of all map types together</source>
+        <translation>archivos con un valor para cada píxel, escritos junto a las imágenes: profundidad a lo largo del eje óptico, puntos del terreno, normales, la máscara de las caras que ningún mapa muestra, y la clase y la instancia de etiquetas y edificios; de todos los tipos de mapa juntos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
@@ -14396,6 +14471,31 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>
+        <source>buildings</source>
+        <translation>edificios</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>buildings that stand on the relief with walls and roofs: vector files of footprints (GeoJSON, GeoPackage, OSM …), as FILE or FILE:LAYER, or CityJSON files; over level ground, give its height as the elevation</source>
+        <translation>edificios que se alzan sobre el relieve con muros y tejados: archivos vectoriales de plantas (GeoJSON, GeoPackage, OSM …), como ARCHIVO o ARCHIVO:CAPA, o archivos CityJSON; sobre terreno llano, indique su altura como elevación</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>buildings {0!r}: must be a file, or FILE:LAYER</source>
+        <translation>edificios {0!r}: debe ser un archivo, o ARCHIVO:CAPA</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>buildings {0}: each file may be named once</source>
+        <translation>edificios {0}: cada archivo puede indicarse una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>buildings {0}: need an elevation, the ground that they stand on</source>
+        <translation>edificios {0}: necesitan una elevación, el terreno sobre el que se alzan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
         <source>clearance</source>
         <translation>distancia de seguridad</translation>
     </message>
@@ -14416,8 +14516,33 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>
+        <source>field with the heights of buildings, in metres or with a unit; by default height, building:height, measuredHeight or the like, otherwise levels of 3 m</source>
+        <translation>campo con las alturas de los edificios, en metros o con unidad; por omisión height, building:height, measuredHeight o similar, si no, plantas de 3 m</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
         <source>height above</source>
         <translation>altura sobre</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>height field</source>
+        <translation>campo de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>height field {0!r}: must be the name of a field, without spaces around it</source>
+        <translation>campo de altura {0!r}: debe ser el nombre de un campo, sin espacios alrededor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>height of buildings for which the file has no height and no levels</source>
+        <translation>altura de los edificios para los que el archivo no tiene altura ni plantas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>height of others</source>
+        <translation>altura de los demás</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>
@@ -14448,6 +14573,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/terrain.py"/>
         <source>missing heights</source>
         <translation>alturas que faltan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
+        <source>name a source of heights, or give the height of level ground in metres{0}</source>
+        <translation>indique una fuente de alturas, o la altura del terreno llano en metros{0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>

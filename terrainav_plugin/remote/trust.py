@@ -47,14 +47,14 @@ _BY_ADDRESS = re.compile(
 
 
 def source_names(mission: Mission) -> tuple[str, ...]:
-    """Names of a mission's sources of imagery and elevation."""
+    """Names of a mission's sources of imagery, elevation, buildings and labels."""
     imagery = [one.source for one in mission.imagery.named] or [mission.imagery.source]
-    return (*imagery, *elevation_names(mission))
+    return (*imagery, *elevation_names(mission), *mission.labels.labels)
 
 
 def elevation_names(mission: Mission) -> tuple[str, ...]:
-    """Names of a mission's sources of elevation."""
-    return (*mission.terrain.elevation, *mission.terrain.surface)
+    """Names of a mission's sources of elevation and buildings."""
+    return (*mission.terrain.elevation, *mission.terrain.surface, *mission.terrain.buildings)
 
 
 def unagreed_places(texts: Iterable[str]) -> tuple[str, ...]:

@@ -190,7 +190,7 @@ def view_image(shot: CapturedImage, map_type: str, longest_px: int, images: Imag
     row = _row(folder / map_type / TABLE_FILE, file)
     depth_path = folder / DEPTH / f"{shot.name}.tif"
     try:
-        fetched = images.fetch(folder, map_type, file, row, DEPTH in mission.output.products)
+        fetched = images.fetch(folder, map_type, file, row, DEPTH in mission.products)
     except Cancelled:
         raise
     except TerrAInavError as wrong:

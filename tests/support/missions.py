@@ -90,6 +90,10 @@ _OTHERS = {
     "imageries": ("old=world@2014", "new=world"),
     "elevation": ("world",),
     "surface": ("world",),
+    "buildings": ("houses.geojson",),
+    "building_height_field": "HEIGHT",
+    "labels": ("fields.gpkg:fields:crop",),
+    "label_order": "rank",
     "vertical_datum": "EPSG:5773",
     "takeoff": (35.1, -89.8),
     "img_size": (64, 48, 1),
@@ -97,7 +101,12 @@ _OTHERS = {
     "split_after": "120,340",
 }
 #: Fields that others require.
-_NEEDED = {"surface": ("elevation",), "battery_min": ("takeoff",), "split_after": ("takeoff",)}
+_NEEDED = {
+    "surface": ("elevation",),
+    "buildings": ("elevation",),
+    "battery_min": ("takeoff",),
+    "split_after": ("takeoff",),
+}
 
 
 def other_value(field):

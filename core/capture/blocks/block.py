@@ -411,7 +411,7 @@ def _write_shard(
     made = {name: one for name, one in outcomes.items() if one.status != FAILED}
     keys = {name: f"{index:09d}" for name, index in zip(plan.names, block.indices.tolist())}
     table = image_table(plan, source, made)
-    data, members = gathered.packed(block.map_type, keys, table, plan.mission.output.products)
+    data, members = gathered.packed(block.map_type, keys, table, plan.mission.products)
     shard = shard_name(block.map_type, block.number)
     write_whole(destination / block.map_type / shard, data)
     for name, member in members.items():

@@ -3,8 +3,9 @@
 In reading order:
 
 - `flown`: attitude, flight and route
-- `terrain`: relief
+- `terrain`: relief and buildings
 - `pictures`: imagery, pixels, accuracy and files
+- `labels`: labels of pixels
 """
 
 from __future__ import annotations
@@ -35,8 +36,12 @@ from .flown import (
     Route,
     utc_time,
 )
+from .labels import PixelLabels
 from .pictures import (
     AUTO,
+    CLASSES,
+    INSTANCES,
+    LABELLED,
     RAYS,
     Accuracy,
     Imagery,
@@ -60,6 +65,7 @@ __all__ = [
     "AUTO",
     "BY_DISTANCE",
     "BY_WAYPOINT",
+    "CLASSES",
     "COMPASS_CORNERS",
     "COVER",
     "DJI_FLY",
@@ -72,7 +78,9 @@ __all__ = [
     "HIGHEST_AGL_M",
     "HIGHEST_GROUND_M",
     "HOVER",
+    "INSTANCES",
     "INTERPOLATE",
+    "LABELLED",
     "LONGEST_SIDE",
     "LOWEST_GROUND_M",
     "MOST_SORTIES",
@@ -91,6 +99,7 @@ __all__ = [
     "Flight",
     "Imagery",
     "Output",
+    "PixelLabels",
     "Pixels",
     "Route",
     "Terrain",
@@ -106,5 +115,6 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "accuracy": Accuracy,
     "terrain": Terrain,
     "route": Route,
+    "labels": PixelLabels,
     "output": Output,
 }

@@ -14,6 +14,8 @@ from ...map_types import ROADMAP, SATELLITE, TERRAIN
 from ...numbers import NUMBER
 from ..imageries import NamedImagery, named_imageries
 
+#: Products of labels and buildings.
+LABELLED = CLASSES, INSTANCES = ("classes", "instances")
 #: The cheapest frame or mesh that fits the error budget.
 AUTO = "auto"
 #: One ray per pixel of a camera frame instead of a mesh.
@@ -350,12 +352,15 @@ class Output(CheckedFields):
         (),
         title="products",
         help="files with a value for every pixel, written beside the images: depth along the optical axis, ground "
-        "points, normals of the ground, and the mask of faces that no map shows; of all map types together",
+        "points, normals, the mask of faces that no map shows, and the class and instance of labels and buildings; of "
+        "all map types together",
         choices={
             "depth": "Depth along the optical axis",
             "points": "Ground points",
             "normals": "Normals of the ground",
             "facades": "Faces that no map shows",
+            CLASSES: "Classes of labels and buildings",
+            INSTANCES: "Instances of labels and buildings",
         },
         advanced=True,
         check=_check_products,

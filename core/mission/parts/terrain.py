@@ -1,4 +1,4 @@
-"""The part of a mission that says which relief it is flown over."""
+"""The part of a mission that states its relief, and what stands on it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,26 @@ def _check_heights(sources: tuple[Any, ...]) -> None:
             raise InvalidInput("heights {0!r}: must be a file, terrarium, world or a number", one, field="elevation")
 
 
+def _check_buildings(files: tuple[Any, ...]) -> None:
+    for one in files:
+        if not isinstance(one, str) or not one or one != one.strip() or not one.isprintable():
+            raise InvalidInput("buildings {0!r}: must be a file, or FILE:LAYER", one, field="buildings")
+    if len(set(files)) != len(files):
+        raise InvalidInput("buildings {0}: each file may be named once", ", ".join(files), field="buildings")
+
+
+def _check_height_field(name: str) -> None:
+    if name != name.strip() or not name.isprintable():
+        raise InvalidInput(
+            "height field {0!r}: must be the name of a field, without spaces around it",
+            name,
+            field="building_height_field",
+        )
+
+
 @dataclass(frozen=True)
 class Terrain(CheckedFields):
-    """Relief of the ground, and the flight above it."""
+    """Relief of the ground, the buildings on it, and the flight above them."""
 
     elevation: tuple[str, ...] = declared(
         (),
@@ -44,6 +61,35 @@ class Terrain(CheckedFields):
         advanced=True,
         check=_check_heights,
         schema={"items": {"type": "string", "minLength": 1}},
+    )
+    buildings: tuple[str, ...] = declared(
+        (),
+        title="buildings",
+        help="buildings that stand on the relief with walls and roofs: vector files of footprints (GeoJSON, "
+        "GeoPackage, OSM …), as FILE or FILE:LAYER, or CityJSON files; over level ground, give its height as the "
+        "elevation",
+        advanced=True,
+        check=_check_buildings,
+        schema={"items": {"type": "string", "minLength": 1}, "uniqueItems": True},
+    )
+    building_height_field: str = declared(
+        "",
+        title="height field",
+        help="field with the heights of buildings, in metres or with a unit; by default height, building:height, "
+        "measuredHeight or the like, otherwise levels of 3 m",
+        option="height_field",
+        advanced=True,
+        check=_check_height_field,
+    )
+    building_height_m: float = declared(
+        6.0,
+        title="height of others",
+        help="height of buildings for which the file has no height and no levels",
+        unit="m",
+        option="building_height",
+        above=0.0,
+        most=1000.0,
+        advanced=True,
     )
     vertical_datum: str = declared(
         "",
@@ -135,7 +181,7 @@ class Terrain(CheckedFields):
     )
 
     def __post_init__(self) -> None:
-        """Check every field; refuse a surface without an elevation."""
+        """Check every field; refuse a surface, or buildings, without an elevation."""
         super().__post_init__()
         if self.surface and not self.elevation:
             raise InvalidInput(
@@ -143,4 +189,14 @@ class Terrain(CheckedFields):
                 ", ".join(self.surface),
                 field="surface",
                 remedy=Message("name it as the elevation{0}", OptionName("elevation").in_brackets),
+            )
+        if self.buildings and not self.elevation:
+            raise InvalidInput(
+                "buildings {0}: need an elevation, the ground that they stand on",
+                ", ".join(self.buildings),
+                field="buildings",
+                remedy=Message(
+                    "name a source of heights, or give the height of level ground in metres{0}",
+                    OptionName("elevation").in_brackets,
+                ),
             )

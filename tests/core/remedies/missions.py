@@ -214,6 +214,13 @@ def _no_map_type(case: Case) -> None:
     case.follow("give one or more of", lambda: made(map_types=("terrain", "roadmap")))
 
 
+@remedy("mission/mission.py", "product {}: needs labels or buildings; name vector layers (--labels)")
+def _no_labels(case: Case) -> None:
+    case.refused(lambda: Mission(AREA, 120.0, products=("classes",)))
+    named = partial(Mission, AREA, 120.0, products=("classes",), labels=("fields.geojson",))
+    case.follow("name vector layers (--labels)", named)
+
+
 @remedy("mission/parts/pictures.py", "source is empty: name one, or give a URL template or a file")
 def _no_source(case: Case) -> None:
     case.refused(lambda: Mission(AREA, 120.0, source=""))

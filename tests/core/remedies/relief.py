@@ -226,3 +226,16 @@ def _surface_over_nothing(case: Case) -> None:
     path = str(written(case, "heights.tif"))
     case.refused(lambda: above(170.0, 200.0, 200.0, surface=(path,)))
     case.follow("name it as the elevation (--elevation)", lambda: above(170.0, 200.0, 200.0, elevation=(path,)))
+
+
+@remedy(
+    "mission/parts/terrain.py",
+    "buildings {}: need an elevation, the ground that they stand on; name a source of heights, or give the height of "
+    "level ground in metres (--elevation)",
+)
+def _buildings_on_nothing(case: Case) -> None:
+    path = str(written(case, "heights.tif"))
+    case.refused(lambda: above(170.0, 200.0, 200.0, buildings=("houses.geojson",)))
+    on = partial(above, 170.0, 200.0, 200.0, buildings=("houses.geojson",))
+    case.follow("name a source of heights", lambda: on(elevation=(path,)))
+    case.follow("give the height of level ground in metres (--elevation)", lambda: on(elevation=("60",)))
