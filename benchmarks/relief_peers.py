@@ -368,7 +368,7 @@ class Comparison:
         # Height by which a ray nears the ground, per metre of it; and 0.02 px, and the rounding of float32.
         closing = np.maximum(np.minimum(patch, flat), 1e-9) / length[both]
         off_m = np.fmax(t, t_peer)[both] * length[both] * (TOLERANCE_PX / self.focal_px + 1e-6)
-        steep = np.hypot(seen.slope_east, seen.slope_north).ravel()[both]
+        steep = np.hypot(normal[:, 0], normal[:, 1]) / normal[:, 2]
         return (quarter + off_m * (1.0 + steep)) / closing
 
     def judged(self, which: np.ndarray, t: np.ndarray, t_peer: np.ndarray) -> int:

@@ -82,3 +82,19 @@ class FaceModel(Protocol):
 
         Buildings whose height and width are below ``least_m`` may be left out.
         """
+
+
+@dataclass(frozen=True)
+class _NoFaces:
+    """No buildings anywhere, a `FaceModel`."""
+
+    title: str = ""
+    attribution: str = ""
+    highest_m: float = 0.0
+
+    def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:  # noqa: ARG002
+        """No triangles."""
+        return NO_TRIANGLES
+
+
+NO_FACES: FaceModel = _NoFaces()

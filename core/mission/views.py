@@ -153,6 +153,7 @@ class CameraViews:
             heights.surface,
             self.relief.lowest_m,
             self.tolerance_px * (1.0 - settling),
+            heights.faces,
         )
 
     def box(self, index: int) -> tuple[float, float, float, float]:

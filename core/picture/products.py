@@ -12,7 +12,7 @@ from ..bands import Bands
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.ellipsoid import WGS84, sight_lines
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.raytracing.tracing import Sighting, power_of_two
+from ..geodesy.raytracing.tracing import Sighting, power_of_two, relief_normals
 from ..geodesy.view import ImageRays
 from ..mission.plan import Plan
 from .map_frame import turned
@@ -117,4 +117,7 @@ def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sightin
         depth = sight_lines(np.array(lat), np.array(agl), ground_lat, dlon, plan.ground) @ axis
     height_m = np.where(np.isnan(depth), np.nan, plan.level_m)
     flat = np.where(np.isnan(depth), np.nan, 0.0)
-    return Sighting(depth, ground_lat, lon + dlon, height_m, flat, flat, np.zeros(depth.shape, bool))
+    blank = Sighting.blank(depth.shape)
+    return blank._replace(
+        depth_m=depth, lat_deg=ground_lat, lon_deg=lon + dlon, height_m=height_m, normals=relief_normals(flat, flat)
+    )

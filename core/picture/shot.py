@@ -18,7 +18,7 @@ from .camera_frame import parts_of_tiles, render
 from .map_frame import assemble, capture_window, turned
 
 if TYPE_CHECKING:
-    from ..geodesy.raytracing.tracing import Faces, Sighting, Tracing
+    from ..geodesy.raytracing.tracing import Sighting, SteepPixels, Tracing
 
 #: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
 Walls = Callable[..., NDArray[np.float32]]
@@ -43,20 +43,20 @@ class Shot:
         return views.view(self.index) if tracing is None else views.traced_view(tracing)
 
     @cached_property
-    def faces(self) -> Faces | None:
+    def steep_pixels(self) -> SteepPixels | None:
         """Pixels that see steep faces; None over level ground."""
-        return None if self._tracing is None else self._tracing.faces()
+        return None if self._tracing is None else self._tracing.steep_pixels()
 
     @cached_property
     def sighting(self) -> Sighting | None:
         """Ground at the pixels, over relief; None over level ground."""
         return None if self._tracing is None else self._tracing.sighting
 
-    def trace(self, *, with_faces: bool, with_sighting: bool) -> None:
+    def trace(self, *, with_steep: bool, with_sighting: bool) -> None:
         """Trace the rays, and keep only what the picture needs of them: they take many times its memory."""
         _ = self.view
-        if with_faces and self.view.facade_share:
-            _ = self.faces
+        if with_steep and self.view.facade_share:
+            _ = self.steep_pixels
         if with_sighting:
             _ = self.sighting
         self.__dict__.pop("_tracing", None)
@@ -149,8 +149,8 @@ def draw(
         return Picture(turned(assemble(shot.window, parts, pixels, bands), shot.quarter_turns))
     view = shot.view
     picture = render(view, shot.lon_deg, parts, pixels, shot.kernel, bands)
-    if walls is not None and view.facade_share and shot.faces is not None:
-        row, column, *faces = shot.faces
+    if walls is not None and view.facade_share and shot.steep_pixels is not None:
+        row, column, *faces = shot.steep_pixels
         colours = walls(*faces)
         is_known = np.isfinite(colours).all(axis=1)
         picture[row[is_known], column[is_known]] = fitted(colours[is_known], picture.dtype)

@@ -10,12 +10,13 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ...arrays import Flags, Floats, Numbers
+from ...arrays import Flags, Floats, NDArray, Numbers
 from ...external.compiling import uses_numba
 from ..accuracy import ImageGeometry
 from ..camera import Poses
 from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace
 from ..mercator import PixelGrid, wrap_lon_deg
+from ..triangles import NO_FACES, RELIEF, FaceModel
 from ..view import ImageRays, View, joined
 from .paths import Paths
 from .seen import STEEP, Seen
@@ -67,29 +68,42 @@ class Sighting(NamedTuple):
         Depth along the optical axis.
     lat_deg, lon_deg, height_m : array
         Ground points; longitudes are continuous with the camera's, heights are above the ellipsoid.
-    slope_east, slope_north : array
-        Slopes of the surface, metres per metre.
+    normals : array (height, width, 3)
+        Unit normals of the surface, in east, north and up; those of buildings face the camera.
     steep : array of bool
-        Steep faces, whose colours no map shows.
+        Faces whose colours no map shows: steep relief, and what of buildings the imagery does not show.
+    kind : array of uint8
+        `RELIEF`, also without ground, or the kind of a building's face: see `triangles`.
+    instance : array of int64
+        Number of the building; 0 for relief.
     """
 
     depth_m: Floats
     lat_deg: Floats
     lon_deg: Floats
     height_m: Floats
-    slope_east: Floats
-    slope_north: Floats
+    normals: Floats
     steep: Flags
+    kind: NDArray[np.uint8]
+    instance: Numbers
 
-    @property
-    def normals(self) -> Floats:
-        """Unit normals of the surface, (height, width, 3), in east, north and up."""
-        up = np.stack([-self.slope_east, -self.slope_north, np.ones_like(self.depth_m)], axis=-1)
-        normals: Floats = up / np.linalg.norm(up, axis=-1, keepdims=True)
-        return normals
+    @classmethod
+    def blank(cls, shape: tuple[int, ...]) -> Sighting:
+        """Pixels without ground."""
+        depth, lat, lon, height = (np.full(shape, np.nan) for _ in range(4))
+        normals, steep = np.full((*shape, 3), np.nan), np.zeros(shape, bool)
+        kind, instance = np.full(shape, RELIEF, np.uint8), np.zeros(shape, np.int64)
+        return cls(depth, lat, lon, height, normals, steep, kind, instance)
 
 
-class Faces(NamedTuple):
+def relief_normals(slope_east: Floats, slope_north: Floats) -> Floats:
+    """Unit normals (..., 3), in east, north and up, of surfaces with slopes in metres per metre."""
+    up = np.stack([-slope_east, -slope_north, np.ones_like(slope_east)], axis=-1)
+    normals: Floats = up / np.linalg.norm(up, axis=-1, keepdims=True)
+    return normals
+
+
+class SteepPixels(NamedTuple):
     """Pixels of an image that see steep faces, (n,) each.
 
     Attributes
@@ -163,6 +177,8 @@ class Tracing:
         Lower bound of the ground that the image may show.
     tolerance_px : float
         Largest error of hits along their rays, in pixels of the image.
+    faces : FaceModel
+        Buildings, which hide the relief behind them.
     """
 
     scene: ImageGeometry
@@ -170,6 +186,7 @@ class Tracing:
     relief: ElevationModel
     lowest_m: float
     tolerance_px: float
+    faces: FaceModel = NO_FACES
 
     @property
     def place(self) -> tuple[float, float]:
@@ -390,34 +407,30 @@ class Tracing:
     def sighting(self) -> Sighting:
         """Ground at the pixels."""
         _, lon = self.place
-        shape = self.depth_m.shape
-        found = Sighting._make([*(np.full(shape, np.nan) for _ in range(6)), np.zeros(shape, bool)])
+        found = Sighting.blank(self.depth_m.shape)
         for one in self._seen:
             at = np.isfinite(one.hits.t)
             column, row = one.hits.column[at], one.hits.row[at]
             point_lat, point_lon = one.surface.places(column, row)
             slopes = one.slopes(column, row)
-            values = (
-                one.hits.t[at],
-                point_lat,
-                lon + wrap_lon_deg(point_lon - lon),
-                one.surface.heights(column, row),
-                *slopes,
-                np.hypot(*slopes) > STEEP,
-            )
-            for whole, part in zip(found, values):
-                whole[one.top : one.top + one.rays.height][at] = part
+            rows = slice(one.top, one.top + one.rays.height)
+            found.depth_m[rows][at] = one.hits.t[at]
+            found.lat_deg[rows][at] = point_lat
+            found.lon_deg[rows][at] = lon + wrap_lon_deg(point_lon - lon)
+            found.height_m[rows][at] = one.surface.heights(column, row)
+            found.normals[rows][at] = relief_normals(*slopes)
+            found.steep[rows][at] = np.hypot(*slopes) > STEEP
         return found
 
-    def faces(self) -> Faces:
+    def steep_pixels(self) -> SteepPixels:
         """Pixels that see steep faces; `view` samples them at the edges of the faces."""
-        found: list[Faces] = []
+        found: list[SteepPixels] = []
         for one in self._seen:
             (row, column), (at_column, at_row, east, north) = one.steep_faces()
             slope = np.hypot(east, north)
             lat, lon = one.surface.places(at_column, at_row)
-            found.append(Faces(row, column, lat, lon, -east / slope, -north / slope))
-        return Faces(*(np.concatenate(parts) for parts in zip(*found)))
+            found.append(SteepPixels(row, column, lat, lon, -east / slope, -north / slope))
+        return SteepPixels(*(np.concatenate(parts) for parts in zip(*found)))
 
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
         """Map the image to a source's pixels; positions count from the camera's meridian."""

@@ -14,6 +14,7 @@ from ...geodesy.camera import Camera, Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid
 from ...geodesy.footprint import Corners, ImagePoints, Outline, exact, ground_corners, image_centres
 from ...geodesy.projections import LocalPlane
+from ...geodesy.triangles import NO_FACES, FaceModel
 from ..layout.rows import Layout
 from ..mission import Mission
 
@@ -23,10 +24,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Heights:
-    """Elevation models of a mission: the ground that the flight follows, and the surface that the cameras see."""
+    """What a mission flies over: the ground that it follows, the surface that cameras see, and buildings on it."""
 
     ground: ElevationModel
     surface: ElevationModel
+    faces: FaceModel = NO_FACES
 
 
 class Flown(NamedTuple):

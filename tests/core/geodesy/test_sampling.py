@@ -56,7 +56,7 @@ def test_samples_and_tiles_are_those_of_numpy(kind, tilt_deg):
 @pytest.mark.parametrize("kind", [terraces, blocks])
 def test_steep_faces_are_those_of_numpy(kind):
     made = tracing(kind, 55.0)
-    found, wanted = made.faces(), with_numpy(made.faces)
+    found, wanted = made.steep_pixels(), with_numpy(made.steep_pixels)
     assert len(found.row)
     for one, other in zip(found[:2], wanted[:2]):
         assert np.array_equal(one, other)
