@@ -31,6 +31,7 @@ from .panel.camera import camera_choices
 from .panel.choices import source_choices
 from .panel.dock import Dock
 from .panel.form import FormMemory
+from .panel.layers import LayersLine
 from .panel.planning import Planning
 from .panel.runs import OpeningRow, RunPanel
 from .panel.source_list import SourceList
@@ -248,6 +249,8 @@ class Session(QObject):
         form.draw_box_clicked.connect(self.draw_box)
         form.show_on_map_clicked.connect(self.show_on_map)
         form.route.pick_clicked.connect(self.areas.takeoff_tool.start)
+        for line in form.findChildren(LayersLine):
+            line.refused.connect(self.messages.warning)
         form.route.rows_clicked.connect(lambda: self._pick(self.picking.pick_rows))
         form.route.splits_clicked.connect(lambda: self._pick(self.picking.pick_splits))
         self.picking.entered.connect(form.area_editing.set_entry)

@@ -50,7 +50,6 @@ _PARTS = {
     "pixels": "Pixels",
     "accuracy": "Accuracy",
     "terrain": "Relief and buildings",
-    "labels": "Labels",
     "route": "Flight path",
     "labels": "Labels of pixels",
     "output": "Output",

@@ -2476,6 +2476,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>none</source>
         <translation>ninguna</translation>
@@ -2650,6 +2651,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Labels</source>
         <translation>Etiquetas</translation>
     </message>
@@ -3843,6 +3845,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <location filename="../../terrainav_plugin/panel/layers.py"/>
         <source>File…</source>
         <translation>Archivo…</translation>
     </message>
@@ -4267,8 +4270,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/form.py"/>
-        <source>Attitude, relief, flight path, pixels, wind and accuracy</source>
-        <translation>Actitud, relieve, trayectoria de vuelo, píxeles, viento y exactitud</translation>
+        <source>Attitude, relief, labels, flight path, pixels, wind and accuracy</source>
+        <translation>Orientación, relieve, etiquetas, trayectoria, píxeles, viento y precisión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/form.py"/>
@@ -4515,6 +4518,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/imagery_list.py"/>
         <source>as above</source>
         <translation>la de arriba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/layers.py"/>
+        <source>One class</source>
+        <translation>Una clase</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/layers.py"/>
+        <source>Separate several with ;</source>
+        <translation>Separe varios con ;</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/layers.py"/>
+        <source>Vector file</source>
+        <translation>Archivo vectorial</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/layers.py"/>
+        <source>Vector files (*)</source>
+        <translation>Archivos vectoriales (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/offers.py"/>
+        <source>None</source>
+        <translation>Ninguno</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -4863,6 +4891,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Choose a layer and its field of classes</source>
+        <translation>Elegir una capa y su campo de clases</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Choose footprints of buildings</source>
+        <translation>Elegir plantas de edificios</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Enter the greatest speed for the minimum image interval, and for the exposure time and motion blur, which are in the tab Advanced; at most 15 m/s, as DJI's drones</source>
         <translation>Introduce la mayor velocidad para el intervalo mínimo entre imágenes y para el tiempo de exposición y el desenfoque, que están en la pestaña Avanzado; como máximo 15 m/s, como los drones de DJI</translation>
     </message>
@@ -5037,6 +5075,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>in</source>
         <translation>in</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>no labels</source>
+        <translation>sin etiquetas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -15942,6 +15985,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/storage/stores.py"/>
+        <location filename="../../terrainav_plugin/qgis_source/vector_files.py"/>
         <source>folder {0}: cannot be written ({1})</source>
         <translation>carpeta {0}: no se puede escribir ({1})</translation>
     </message>
@@ -16256,6 +16300,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../terrainav_plugin/qgis_source/source.py"/>
         <source>{0} shows nothing here</source>
         <translation>{0} no muestra nada aquí</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/vector_files.py"/>
+        <source>layer {0}: cannot be written to {1} ({2})</source>
+        <translation>capa {0}: no se puede escribir en {1} ({2})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/remote/address.py"/>

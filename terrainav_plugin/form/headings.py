@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -28,7 +29,8 @@ def headings(state: FormState, source: str) -> dict[str, str]:
         "output": _joined(Path(state.folder).name, _choice(state, "image_format").partition(" (")[0]),
         "attitude": _attitude(state),
         "route": _route(state),
-        "relief": ", ".join(state.elevation) or tr("level ground"),
+        "relief": _joined(", ".join(state.elevation) or tr("level ground"), *map(_file_name, state.buildings)),
+        "labels": _joined(*map(_file_name, state.labels)) or tr("none"),
         "pixels": _pixels(state),
         "wind": _wind(state),
         "accuracy": _joined(
@@ -36,6 +38,11 @@ def headings(state: FormState, source: str) -> dict[str, str]:
             _changed_choice(state, "frame").partition(" (")[0],
         ),
     }
+
+
+def _file_name(text: str) -> str:
+    """Name of a file, without its folder, and with its layer and field."""
+    return re.split(r"[/\\]", text)[-1]
 
 
 def _area(state: FormState) -> str:

@@ -27,18 +27,7 @@ ENTERED_AS_DECLARED: dict[str, Field] = {
     one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _ENTERED_OTHERWISE
 }
 #: Fields in `ENTERED_AS_DECLARED` without widgets: the panel keeps the values of a mission, and shows a note.
-WITHOUT_ENTRY = (
-    "mesh",
-    "seed",
-    "max_images",
-    "buildings",
-    "building_height_field",
-    "building_height_m",
-    "labels",
-    "label_order",
-    "line_width_m",
-    "point_radius_m",
-)
+WITHOUT_ENTRY = ("mesh", "seed", "max_images")
 #: Field of a mission for each entry: same names, entries that differ, and entries of the wind.
 DECLARED: dict[str, Field] = {
     **ENTERED_AS_DECLARED,

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from qgis.core import QgsProject, QgsRasterLayer
-from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
+from qgis.PyQt.QtWidgets import QMenu
 
 from ..form.text import as_written, to_decimal_point
 from ..i18n import tr
 from ..plain import shown_plain
 from ..sources import TERRARIUM, WORLD
-from ..widgets import named
-from .entries import WordsLine
+from .offers import OfferedLine
 
 
-class HeightsLine(WordsLine):
+class HeightsLine(OfferedLine):
     """Line for elevation sources, with a button that offers sources.
 
     Parameters
@@ -21,37 +20,22 @@ class HeightsLine(WordsLine):
     name : str
         Field of the entry.
     tip : str
-
-    Attributes
-    ----------
-    button : QToolButton
     """
 
-    #: Separator of sources, as paths may contain spaces and commas.
-    _SEPARATOR = ";"
-
     def __init__(self, name: str, tip: str) -> None:
-        super().__init__()
         more = tr("Separate several with ; each fills the holes of those before it.")
-        named(self, name, f"{tip} {more}")
-        self.button = named(QToolButton(), f"{name}_choose", tr("Choose a source of heights"))
-        self.button.setText("…")
-        self.button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self._menu = QMenu(self.button)
-        self._menu.aboutToShow.connect(self._fill)
-        self.button.setMenu(self._menu)
+        super().__init__(name, f"{tip} {more}", tr("Choose a source of heights"))
         self._more: QMenu | None = None
 
     def words(self) -> tuple[str, ...]:
         """Return the sources entered, with titles replaced by names."""
         names = {title.casefold(): name for title, name in _titled()}
-        parts = filter(None, map(str.strip, self.text().split(self._SEPARATOR)))
-        return tuple(names.get(part.casefold(), to_decimal_point(part)) for part in parts)
+        return tuple(names.get(part.casefold(), to_decimal_point(part)) for part in super().words())
 
     def enter(self, words: tuple[str, ...]) -> None:
         """Enter sources, with names replaced by titles."""
         titles = {name: title for title, name in _titled()}
-        self.setText(f"{self._SEPARATOR} ".join(titles.get(word, as_written(word)) for word in words))
+        super().enter(tuple(titles.get(word, as_written(word)) for word in words))
         if set(words) <= set(titles):
             # A title is read from its beginning; the end of a path tells more.
             self.setCursorPosition(0)
@@ -66,7 +50,7 @@ class HeightsLine(WordsLine):
         for title, source in self._offered():
             self._menu.addAction(shown_plain(title).replace("&", "&&"), lambda source=source: self.enter((source,)))
         self._menu.addSeparator()
-        self._menu.addAction(tr("File…"), self._choose_file)
+        self._menu.addAction(tr("File…"), self._add_file)
         self._menu.addAction(tr("Level ground"), self.clear)
         if self.words():
             self._menu.addSeparator()
@@ -82,7 +66,7 @@ class HeightsLine(WordsLine):
                     shown_plain(title).replace("&", "&&"),
                     lambda source=source: self.enter((*self.words(), source)),
                 )
-        menu.addAction(tr("File…"), self._choose_file)
+        menu.addAction(tr("File…"), self._add_file)
 
     @staticmethod
     def _offered() -> list[tuple[str, str]]:
@@ -99,10 +83,8 @@ class HeightsLine(WordsLine):
         found += [(one.name(), _layer_file(one)) for one in layers if one.bandCount() == 1 and _layer_file(one)]
         return [*found, *_titled()]
 
-    def _choose_file(self) -> None:
-        path, _ = QFileDialog.getOpenFileName(self, tr("Heights of the ground"), "", tr("Raster files (*)"))
-        if path:
-            self.enter((*self.words(), path))
+    def _add_file(self) -> None:
+        self._choose_file(tr("Heights of the ground"), tr("Raster files (*)"))
 
 
 def _titled() -> list[tuple[str, str]]:

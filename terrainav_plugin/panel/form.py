@@ -35,6 +35,7 @@ from .sections import (
     AccuracySection,
     AttitudeSection,
     FlightEntries,
+    LabelsSection,
     OutputEntries,
     PixelsSection,
     ReliefSection,
@@ -226,8 +227,9 @@ class DockForm(QWidget):
         self.folder, self.image_format = output.folder, output.image_format
         self.attitude, self.pixels = AttitudeSection(self.marks), PixelsSection(self.marks)
         self.relief, self.wind = ReliefSection(self.marks), WindSection(self.marks)
+        self.labels = LabelsSection(self.marks)
         self.route, self.accuracy = RouteSection(self.marks), AccuracySection(self.marks)
-        self.sections = (self.attitude, self.relief, self.route, self.pixels, self.wind, self.accuracy)
+        self.sections = (self.attitude, self.relief, self.labels, self.route, self.pixels, self.wind, self.accuracy)
         #: Groups whose entries have the names of fields of the state.
         self.groups = (camera, flight, output, *self.sections)
         #: All groups from top to bottom.
@@ -237,7 +239,7 @@ class DockForm(QWidget):
                 (tr("Area"), tr("What the images are to show"), (area,)),
                 (tr("Flight"), tr("Camera and flight"), (camera, flight)),
                 (tr("Imagery"), tr("Imagery and output"), (imagery, output)),
-                (tr("Advanced"), tr("Attitude, relief, flight path, pixels, wind and accuracy"), self.sections),
+                (tr("Advanced"), tr("Attitude, relief, labels, flight path, pixels, wind and accuracy"), self.sections),
             )
         )
 

@@ -44,6 +44,7 @@ from .entries import (
     declared_tick,
     declared_widget,
 )
+from .layers import BuildingsLine, LabelsLine
 from .start import StartEntry
 
 if TYPE_CHECKING:
@@ -289,6 +290,14 @@ class ReliefSection(Section):
             line.setPlaceholderText(tr("level ground") if name == "elevation" else tr("same as the elevation"))
             self.take(name, line)
             self._form.addRow(field_label(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
+        line = BuildingsLine("buildings", field_tip(DECLARED["buildings"]), tr("Choose footprints of buildings"))
+        self.take("buildings", line)
+        self._form.addRow(
+            field_label(DECLARED["buildings"]), self._marks.field("buildings", line, row(line, line.button))
+        )
+        self._of_buildings = [self.add_declared("building_height_field"), self.add_declared("building_height_m")]
+        self.edited.connect(self._show_rows)
+        self._show_rows()
         self.add_declared("height_above")
         self.add_declared("climb_m_per_s")
         self.add_declared("height_tolerance_m")
@@ -300,7 +309,41 @@ class ReliefSection(Section):
         self.add_declared("height_unit")
         self.add_declared("height_offset_m")
         self.add_declared("holes")
+
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state."""
+        super().enter(state)
+        self._show_rows()
+
+    def _show_rows(self, _field: str = "") -> None:
+        """Show the entries of buildings where there are some."""
+        for field in self._of_buildings:
+            self.show_row(field, bool(self.values()["buildings"]))
+
+
+class LabelsSection(Section):
+    """Layers of labels, and files with a value for every pixel."""
+
+    def __init__(self, marks: FieldMarks) -> None:
+        super().__init__("labels", tr("Labels"), marks)
+        line = LabelsLine("labels", field_tip(DECLARED["labels"]), tr("Choose a layer and its field of classes"))
+        line.setPlaceholderText(tr("no labels"))
+        self.take("labels", line)
+        self._form.addRow(field_label(DECLARED["labels"]), self._marks.field("labels", line, row(line, line.button)))
+        self._of_labels = [self.add_declared(name) for name in ("label_order", "line_width_m", "point_radius_m")]
         self.add_declared("products")
+        self.edited.connect(self._show_rows)
+        self._show_rows()
+
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state."""
+        super().enter(state)
+        self._show_rows()
+
+    def _show_rows(self, _field: str = "") -> None:
+        """Show the entries of labels where there are some."""
+        for field in self._of_labels:
+            self.show_row(field, bool(self.values()["labels"]))
 
 
 class RouteSection(Section):
