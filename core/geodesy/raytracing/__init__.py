@@ -8,5 +8,8 @@ In reading order:
 - `surface`: heights on a grid, and the first hit of each ray
 - `sampling`: samples of an image's pixels, compiled
 - `seen`: the hits of an image on one surface, and the samples of its pixels
+- `face_kernels`: triangles drawn one by one, compiled
+- `faces`: the first triangle that each pixel's ray hits
+- `seen_faces`: ground points, normals and samples of the pixels that see faces
 - `tracing`: the rays of an image, the ground at its pixels, and its camera frame
 """

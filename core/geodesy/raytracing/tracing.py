@@ -15,11 +15,14 @@ from ...external.compiling import uses_numba
 from ..accuracy import ImageGeometry
 from ..camera import Poses
 from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace
+from ..local import enu_axes, geocentric
 from ..mercator import PixelGrid, wrap_lon_deg
-from ..triangles import NO_FACES, RELIEF, FaceModel
+from ..triangles import NO_FACES, RELIEF, FaceModel, Triangles
 from ..view import ImageRays, View, joined
+from .faces import FaceHits, face_hits
 from .paths import Paths
 from .seen import STEEP, Seen
+from .seen_faces import Painted, SeenFaces
 from .surface import PixelRays, Surface
 
 #: Most cells of a ring; those of images of many pixels end sooner, and have larger cells.
@@ -36,6 +39,9 @@ _BULGE = 1.03
 _MARGIN = 1.01
 #: Least number by which to divide.
 _LEAST = 1e-12
+#: Distance up to which all faces are asked for, in heights of the camera above the ground; twice as far each time
+#: after that, without those that are smaller than this share of a pixel.
+_FIRST_HEIGHTS, _LEAST_PX = 2.0, 0.5
 
 
 class ElevationModel(Protocol):
@@ -203,6 +209,8 @@ class Tracing:
     @cached_property
     def level_m(self) -> float | None:
         """Height of level ground that equals the relief within half the tolerance at every pixel; None if none does."""
+        if self._face_hits is not None:
+            return None
         rays = self.rays
         x, y = (at.ravel() for at in np.meshgrid((0.0, float(rays.width)), (0.0, float(rays.height))))
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
@@ -217,8 +225,38 @@ class Tracing:
         return (low + high) / 2.0
 
     @cached_property
+    def _face_hits(self) -> FaceHits | None:
+        """Hits of the rays on faces, whether or not relief hides them; None if there are none."""
+        if self.faces is NO_FACES:
+            return None
+        place = *self.place, self.height_m
+        found = face_hits(
+            Triangles.joined(list(self._near_faces())), geocentric(*place), enu_axes(*place[:2]), self.rays
+        )
+        return found if (found.triangle >= 0).any() else None
+
+    def _near_faces(self) -> Iterator[Triangles]:
+        """Faces that may be seen, from near to far; small ones are left out where they are far."""
+        (lat, lon), last_m = self.place, float(self._reach[2].max())
+        pixel = min(float(np.linalg.norm(per)) for per in (self.rays.per_x, self.rays.per_y))
+        begin_m, end_m = 0.0, _FIRST_HEIGHTS * max(self.height_m - self.lowest_m, 100.0)
+        while begin_m < last_m:
+            end_m = end_m if end_m < last_m else np.inf
+            at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), self._points(begin_m, end_m))
+            yield self.faces.triangles(at_lat, lon + dlon, _LEAST_PX * pixel * begin_m)
+            begin_m, end_m = end_m, 2.0 * end_m
+
+    @cached_property
+    def _seen_faces(self) -> SeenFaces | None:
+        """Pixels that see faces; None if none does."""
+        if self._face_hits is None:
+            return None
+        row, column = np.nonzero((self._face_hits.triangle >= 0) & np.isnan(self._relief_depth_m))
+        return SeenFaces(row, column, self._face_hits, self.rays, (*self.place, self.height_m)) if len(row) else None
+
+    @cached_property
     def _seen(self) -> list[Seen]:
-        """Hits on surfaces from near to far; on each, of the pixels that hit no nearer surface."""
+        """Hits on surfaces from near to far; on each, of the pixels that hit no nearer surface, or face."""
         lat, lon = self.place
         found: list[Seen] = []
         unmet = np.ones((self.rays.height, self.rays.width), bool)
@@ -240,6 +278,8 @@ class Tracing:
             if begin_m > 0.0 and before is not None:
                 self._drop_from_beneath(before, seen, paths, after)
             unmet[top:bottom] &= np.isnan(hits.t)
+            if self._face_hits is not None:
+                unmet &= self._face_hits.t > end_m / self._ways[0]
             found.append(seen)
             if not unmet.any():
                 break
@@ -255,6 +295,9 @@ class Tracing:
         top, bottom = (int(some[0]), int(some[-1]) + 1) if len(some) else (0, 0)
         level, up = (values[top:bottom] for values in self._ways)
         after, until = begin_m / level, end_m / level
+        if self._face_hits is not None:
+            until = np.minimum(until, self._face_hits.t[top:bottom])
+            after[after > until] = np.inf
         # The Earth falls away by the squared distance over twice its radius, or at least 98 % of that; 1 m is for
         # higher terms.
         least_m = self.height_m + np.where(up < 0.0, until, after) * up + 0.98 * begin_m**2 / (2.0 * WGS84.a_m)
@@ -397,6 +440,15 @@ class Tracing:
     @cached_property
     def depth_m(self) -> Floats:
         """Depths along the optical axis, (height, width); NaN without ground."""
+        if (faces := self._seen_faces) is None:
+            return self._relief_depth_m
+        depths = self._relief_depth_m.copy()
+        depths[faces.row, faces.column] = faces.t
+        return depths
+
+    @cached_property
+    def _relief_depth_m(self) -> Floats:
+        """Depths of relief that no face hides, (height, width); NaN without."""
         depths: Floats = np.full((self.rays.height, self.rays.width), np.nan)
         for one in self._seen:
             rows = depths[one.top : one.top + one.rays.height]
@@ -420,11 +472,21 @@ class Tracing:
             found.height_m[rows][at] = one.surface.heights(column, row)
             found.normals[rows][at] = relief_normals(*slopes)
             found.steep[rows][at] = np.hypot(*slopes) > STEEP
+        if (faces := self._seen_faces) is not None:
+            pixels, triangle, hit = (faces.row, faces.column), faces.triangle, faces.hits.triangles
+            found.lat_deg[pixels], found.lon_deg[pixels], found.height_m[pixels] = faces.points()
+            found.normals[pixels] = faces.normals(triangle, found.lat_deg[pixels], found.lon_deg[pixels])
+            found.depth_m[pixels], found.steep[pixels] = faces.t, ~faces.is_shown
+            found.kind[pixels], found.instance[pixels] = hit.kind[triangle], hit.instance[triangle]
         return found
+
+    def painted(self) -> Painted | None:
+        """Pixels that see faces which the imagery does not show; None if none does."""
+        return None if self._seen_faces is None else self._seen_faces.painted()
 
     def steep_pixels(self) -> SteepPixels:
         """Pixels that see steep faces; `view` samples them at the edges of the faces."""
-        found: list[SteepPixels] = []
+        found = [SteepPixels(*np.empty((2, 0), np.int64), *np.empty((4, 0)))]
         for one in self._seen:
             (row, column), (at_column, at_row, east, north) = one.steep_faces()
             slope = np.hypot(east, north)
@@ -435,8 +497,13 @@ class Tracing:
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
         """Map the image to a source's pixels; positions count from the camera's meridian."""
         found = [one.samples(self.place[1], grid, zooms) for one in self._seen]
-        samples = joined([part for parts, _ in found for part in parts])
-        unmapped = ~self.sky
+        parts, unmapped, facades = [part for parts, _ in found for part in parts], ~self.sky, sum(n for _, n in found)
+        if (faces := self._seen_faces) is not None:
+            parts += faces.samples(grid, zooms)
+            some = ~faces.is_shown
+            unmapped[faces.row[some], faces.column[some]] = False
+            facades += int(np.count_nonzero(some))
+        samples = joined(parts)
         for part in samples:
             unmapped[part.row, part.column] = False
         return View(
@@ -448,7 +515,7 @@ class Tracing:
             self.sky if self.sky.any() else None,
             unmapped if unmapped.any() else None,
             self.tolerance_px,
-            facade_share=sum(faces for _, faces in found) / (self.rays.width * self.rays.height),
+            facade_share=facades / (self.rays.width * self.rays.height),
         )
 
 
