@@ -25,6 +25,8 @@ SHADOW_M = 2.6
 #: Height of walls, and of the middle of crowns, in Mercator metres. With the sun at 50 degrees, this height casts
 #: shadows of `SHADOW_M` southward and eastward.
 EAVES_M = 4.4
+#: Rise of gables, metre per metre: 35 degrees.
+GABLE_RISE = 0.7
 #: Probability of a tree above which a cell counts as wood, whose crowns are wide and touch.
 _WOODED = 0.9
 
@@ -91,8 +93,7 @@ class BuildingOutlines:
         inside = np.where(
             entries(buildings.ridge_x), np.minimum(self.north, self.south), np.minimum(self.west, self.east)
         )
-        # Gables rise by 0.7 per metre, 35 degrees.
-        return np.asarray(np.maximum(inside, np.float32(0)) * np.float32(0.7) * (entries(buildings.pitch) > 0))
+        return np.asarray(np.maximum(inside, np.float32(0)) * np.float32(GABLE_RISE) * (entries(buildings.pitch) > 0))
 
     def roofs(self) -> list[Array]:
         """Roof colours at the samples, red, green and blue; the sides of a gable differ in light."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import threading
 from abc import ABC, abstractmethod
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache, wraps
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -454,3 +454,15 @@ def shared(count: int) -> Callable[[Callable[..., Result]], Callable[..., Result
         return cached
 
     return remember
+
+
+def group_points(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, ScatteredPositions]]:
+    """Group points by the tiles of their zooms; yield the indices and positions of each group."""
+    x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
+    key = (zoom << 44) | (y << 22) | x
+    order = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
+    for at in np.split(order, starts[1:]):
+        if at.size:
+            first = at[0]
+            yield at, ScatteredPositions(int(zoom[first]), int(x[first]), int(y[first]), u[at], v[at])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +21,7 @@ from .heights import ground_m, surface_m
 from .lattice import TILE_PX, Array, chart_seed
 from .objects import footprints
 from .region import BLOCK_ZOOM
-from .samples import Grid, ScatteredPositions
+from .samples import Grid, group_points
 from .scene import Scene
 
 MAX_ZOOM = 22
@@ -158,7 +157,7 @@ class World:
         if self.crs in _POLES:
             return out
         # Colours of walls are the same at all zooms that show buildings: take the widest tiles that share a region.
-        for at, samples in _group_points(u - np.floor(u), v, np.full(u.size, BLOCK_ZOOM)):
+        for at, samples in group_points(u - np.floor(u), v, np.full(u.size, BLOCK_ZOOM)):
             prints = footprints(Scene(self._landscape, samples).parcels)
             if prints is not None:
                 out[at] = np.stack(prints.walls(east[at], south[at]), axis=-1)
@@ -171,7 +170,7 @@ class World:
 
     def _paint_points(self, painter: styles.Painter, u: Array, v: Array, zoom: Array) -> NDArray[np.float32]:
         out = np.empty((u.size, 3), dtype=np.float32)
-        for at, samples in _group_points(u, v, zoom):
+        for at, samples in group_points(u, v, zoom):
             out[at] = painter(Scene(self._landscape, samples)).pixels()
         return out
 
@@ -193,18 +192,6 @@ class World:
             raise InvalidInput("zoom {0}: must be from 0 to {1}", zoom, MAX_ZOOM)
         if not (0 <= x < 1 << zoom and 0 <= y < 1 << zoom):
             raise InvalidInput("tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}", x, y, zoom, (1 << zoom) - 1)
-
-
-def _group_points(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, ScatteredPositions]]:
-    """Group points by the tiles of their zooms; yield the indices and positions of each group."""
-    x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
-    key = (zoom << 44) | (y << 22) | x
-    order = np.argsort(key, kind="stable")
-    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
-    for at in np.split(order, starts[1:]):
-        if at.size:
-            first = at[0]
-            yield at, ScatteredPositions(int(zoom[first]), int(x[first]), int(y[first]), u[at], v[at])
 
 
 class WorldSource:
