@@ -36,6 +36,7 @@ _ENTERED = (
     "height_offset",
     "clearance",
     "holes",
+    "labels",
 )
 
 

@@ -2651,7 +2651,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/window.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Labels</source>
         <translation>Etiquetas</translation>
     </message>
@@ -4951,6 +4950,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Labels and buildings</source>
+        <translation>Etiquetas y edificios</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Metres or international feet, for this height and for lengths and areas in the estimates</source>
         <translation>Metros o pies internacionales, para esta altura y para longitudes y áreas de la estimación</translation>
     </message>
@@ -5075,11 +5079,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>in</source>
         <translation>in</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>no labels</source>
-        <translation>sin etiquetas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -14554,6 +14553,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>
+        <source>default height</source>
+        <translation>altura por omisión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/terrain.py"/>
         <source>elevation</source>
         <translation>elevación</translation>
     </message>
@@ -14581,11 +14585,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/terrain.py"/>
         <source>height of buildings for which the file has no height and no levels</source>
         <translation>altura de los edificios para los que el archivo no tiene altura ni plantas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts/terrain.py"/>
-        <source>height of others</source>
-        <translation>altura de los demás</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>

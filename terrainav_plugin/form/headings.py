@@ -29,8 +29,8 @@ def headings(state: FormState, source: str) -> dict[str, str]:
         "output": _joined(Path(state.folder).name, _choice(state, "image_format").partition(" (")[0]),
         "attitude": _attitude(state),
         "route": _route(state),
-        "relief": _joined(", ".join(state.elevation) or tr("level ground"), *map(_file_name, state.buildings)),
-        "labels": _joined(*map(_file_name, state.labels)) or tr("none"),
+        "relief": ", ".join(state.elevation) or tr("level ground"),
+        "labels": _joined(*map(_file_name, (*state.labels, *state.buildings))) or tr("none"),
         "pixels": _pixels(state),
         "wind": _wind(state),
         "accuracy": _joined(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QLabel, QMenu
+from qgis.PyQt.QtWidgets import QLabel, QMenu, QWidget
 
 from ...core.mission.parts import LONGEST_SIDE, SHORTEST
 from ..form.camera import shown_gsd
@@ -44,7 +44,7 @@ from .entries import (
     declared_tick,
     declared_widget,
 )
-from .layers import BuildingsLine, LabelsLine
+from .layers import BuildingsLine, LabelsLine, LayersLine
 from .start import StartEntry
 
 if TYPE_CHECKING:
@@ -290,14 +290,6 @@ class ReliefSection(Section):
             line.setPlaceholderText(tr("level ground") if name == "elevation" else tr("same as the elevation"))
             self.take(name, line)
             self._form.addRow(field_label(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
-        line = BuildingsLine("buildings", field_tip(DECLARED["buildings"]), tr("Choose footprints of buildings"))
-        self.take("buildings", line)
-        self._form.addRow(
-            field_label(DECLARED["buildings"]), self._marks.field("buildings", line, row(line, line.button))
-        )
-        self._of_buildings = [self.add_declared("building_height_field"), self.add_declared("building_height_m")]
-        self.edited.connect(self._show_rows)
-        self._show_rows()
         self.add_declared("height_above")
         self.add_declared("climb_m_per_s")
         self.add_declared("height_tolerance_m")
@@ -310,40 +302,35 @@ class ReliefSection(Section):
         self.add_declared("height_offset_m")
         self.add_declared("holes")
 
-    def enter(self, state: FormState) -> None:
-        """Enter the fields of a state."""
-        super().enter(state)
-        self._show_rows()
-
-    def _show_rows(self, _field: str = "") -> None:
-        """Show the entries of buildings where there are some."""
-        for field in self._of_buildings:
-            self.show_row(field, bool(self.values()["buildings"]))
-
 
 class LabelsSection(Section):
-    """Layers of labels, and files with a value for every pixel."""
+    """Labels of pixels, buildings, and files with a value for every pixel."""
 
     def __init__(self, marks: FieldMarks) -> None:
-        super().__init__("labels", tr("Labels"), marks)
-        line = LabelsLine("labels", field_tip(DECLARED["labels"]), tr("Choose a layer and its field of classes"))
-        line.setPlaceholderText(tr("no labels"))
-        self.take("labels", line)
-        self._form.addRow(field_label(DECLARED["labels"]), self._marks.field("labels", line, row(line, line.button)))
-        self._of_labels = [self.add_declared(name) for name in ("label_order", "line_width_m", "point_radius_m")]
+        super().__init__("labels", tr("Labels and buildings"), marks)
+        labels = LabelsLine("labels", field_tip(DECLARED["labels"]), tr("Choose a layer and its field of classes"))
+        buildings = BuildingsLine("buildings", field_tip(DECLARED["buildings"]), tr("Choose footprints of buildings"))
+        further = {
+            labels: ("label_order", "line_width_m", "point_radius_m"),
+            buildings: ("building_height_field", "building_height_m"),
+        }
+        for line, names in further.items():
+            name = line.objectName()
+            line.setPlaceholderText(tr("none"))
+            self.take(name, line)
+            self._form.addRow(field_label(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
+            self._show_with(line, [self.add_declared(one) for one in names])
         self.add_declared("products")
-        self.edited.connect(self._show_rows)
-        self._show_rows()
 
-    def enter(self, state: FormState) -> None:
-        """Enter the fields of a state."""
-        super().enter(state)
-        self._show_rows()
+    def _show_with(self, line: LayersLine, fields: list[QWidget]) -> None:
+        """Show rows where a line names something."""
 
-    def _show_rows(self, _field: str = "") -> None:
-        """Show the entries of labels where there are some."""
-        for field in self._of_labels:
-            self.show_row(field, bool(self.values()["labels"]))
+        def show(text: str = "") -> None:
+            for field in fields:
+                self.show_row(field, bool(text.strip()))
+
+        line.textChanged.connect(show)
+        show()
 
 
 class RouteSection(Section):

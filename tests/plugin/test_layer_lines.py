@@ -96,11 +96,11 @@ def test_a_filtered_layer_is_copied_as_the_map_shows_it(desk, fields):
 
 
 def test_entries_of_buildings_and_labels_appear_with_them(desk, roofs):
-    relief, labels = desk.form.relief, desk.form.labels
-    for section, name, other in ((relief, "buildings", "building_height_field"), (labels, "labels", "label_order")):
-        section.unfold()
+    section = desk.form.labels
+    section.unfold()
+    for name, other in (("buildings", "building_height_field"), ("labels", "label_order")):
         entry = section.findChild(QLineEdit, other)
-        assert entry.isHidden() or not entry.isVisibleTo(section)
+        assert not entry.isVisibleTo(section)
         section.findChild(QLineEdit, name).setText("houses.geojson")
         assert entry.isVisibleTo(section)
     offers(desk, "buildings")["Roofs && sheds"].trigger()

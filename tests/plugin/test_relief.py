@@ -145,7 +145,7 @@ def test_sources_are_typed_and_cleared(desk, dem):
 def test_products_are_ticked(desk):
     """As map types are; the order of a mission's file is kept."""
     set_up(desk, products=("normals", "depth"))
-    boxes = desk.form.relief.entries["products"].findChildren(QCheckBox)
+    boxes = desk.form.labels.entries["products"].findChildren(QCheckBox)
     choices = field_named(Output, "products").choices
     assert [box.text().replace("&", "") for box in boxes] == list(choices.values())
     assert dict(zip(choices, (box.isChecked() for box in boxes))) == {

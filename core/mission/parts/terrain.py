@@ -83,7 +83,7 @@ class Terrain(CheckedFields):
     )
     building_height_m: float = declared(
         6.0,
-        title="height of others",
+        title="default height",
         help="height of buildings for which the file has no height and no levels",
         unit="m",
         option="building_height",
