@@ -16,8 +16,10 @@ from ..imagery.source import Part, Source, Walled, Window
 from ..mission.plan import Plan
 from .camera_frame import parts_of_tiles, render
 from .map_frame import assemble, capture_window, turned
+from .painting import paint, sun_enu
 
 if TYPE_CHECKING:
+    from ..geodesy.raytracing.seen_faces import Painted
     from ..geodesy.raytracing.tracing import Sighting, SteepPixels, Tracing
 
 #: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
@@ -48,13 +50,18 @@ class Shot:
         return None if self._tracing is None else self._tracing.steep_pixels()
 
     @cached_property
+    def painted(self) -> Painted | None:
+        """Pixels that see faces of buildings which the imagery does not show; None if none does."""
+        return None if self._tracing is None else self._tracing.painted()
+
+    @cached_property
     def sighting(self) -> Sighting | None:
         """Ground at the pixels, over relief; None over level ground."""
         return None if self._tracing is None else self._tracing.sighting
 
     def trace(self, *, with_steep: bool, with_sighting: bool) -> None:
         """Trace the rays, and keep only what the picture needs of them: they take many times its memory."""
-        _ = self.view
+        _ = self.view, self.painted
         if with_steep and self.view.facade_share:
             _ = self.steep_pixels
         if with_sighting:
@@ -154,6 +161,8 @@ def draw(
         colours = walls(*faces)
         is_known = np.isfinite(colours).all(axis=1)
         picture[row[is_known], column[is_known]] = fitted(colours[is_known], picture.dtype)
+    if shot.painted is not None:
+        paint(picture, shot.painted, sun_enu(shot.plan, shot.index), bands)
     if masked:
         shown = np.ones(picture.shape[:2], bool) if view.hidden is None else ~view.hidden
         picture = np.dstack([picture, shown * full(bands.dtype)])

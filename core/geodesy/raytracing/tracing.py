@@ -243,7 +243,10 @@ class Tracing:
         while begin_m < last_m:
             end_m = end_m if end_m < last_m else np.inf
             at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), self._points(begin_m, end_m))
-            yield self.faces.triangles(at_lat, lon + dlon, _LEAST_PX * pixel * begin_m)
+            found = self.faces.triangles(at_lat, lon + dlon, _LEAST_PX * pixel * begin_m)
+            # What lies nearer has been asked for before.
+            offsets = found.corners_m - geocentric(lat, lon, self.height_m)
+            yield found.take((np.einsum("nij,nij->ni", offsets, offsets) > begin_m * begin_m).any(axis=1))
             begin_m, end_m = end_m, 2.0 * end_m
 
     @cached_property

@@ -102,8 +102,8 @@ class ModelledRelief:
         """Read the relief around positions (n,), as far as images from there may see."""
         around = _widened(lat_deg, lon_deg, self.radius_m + self.mission.terrain.clearance_distance_m)
         self._ground = self._surface = self.heights.ground.surface(*around)
-        if self.heights.surface is not self.heights.ground:
-            self._surface = self.heights.surface.surface(*around)
+        if self.heights.planned is not self.heights.ground:
+            self._surface = self.heights.planned.surface(*around)
         self.lowest_m, self.highest_m = (float(f(self._surface.heights_m)) for f in (np.nanmin, np.nanmax))
         # Cached properties of the relief that was read before.
         for name in ("merge_distance_m", "_low", "_merged_low", "_tops", "_merged_tops", "_seen_by_latitude", "_whole"):
@@ -136,8 +136,8 @@ class ModelledRelief:
         distance_m = self.mission.terrain.clearance_distance_m
         around = _widened(lat_deg, lon_deg, room_m + distance_m)
         ground = surface = self.heights.ground.surface(*around)
-        if self.heights.surface is not self.heights.ground:
-            surface = self.heights.surface.surface(*around)
+        if self.heights.planned is not self.heights.ground:
+            surface = self.heights.planned.surface(*around)
         return ReliefPathGround(ground, surface, distance_m)
 
     @cached_property
@@ -145,7 +145,7 @@ class ModelledRelief:
         """Relief at the finest resolution for areas of any size."""
         lat, lon = _area_positions(self.mission)
         around = _widened(lat[:1], lon[:1], 4.0)
-        finest = (one.surface(*around) for one in (self.heights.ground, self.heights.surface))
+        finest = (one.surface(*around) for one in (self.heights.ground, self.heights.planned))
         return TiledPathGround(self._read_around, min(map(cell_size_m, finest)))
 
     @cached_property
@@ -161,7 +161,7 @@ class ModelledRelief:
         around = self._path_extent()
         if around is None:
             return True
-        for heights in {id(one): one for one in (self.heights.ground, self.heights.surface)}.values():
+        for heights in {id(one): one for one in (self.heights.ground, self.heights.planned)}.values():
             surface = heights.surface(*around)
             highest, lowest = (float(f(surface.heights_m)) for f in (np.nanmax, np.nanmin))
             if max(highest, self.highest_m) - min(lowest, self.lowest_m) > _LEVEL_M:
@@ -246,7 +246,7 @@ class ModelledRelief:
     @property
     def attribution(self) -> str:
         """Credit for the heights."""
-        both = (self.heights.surface.attribution, self.heights.ground.attribution)
+        both = (self.heights.planned.attribution, self.heights.ground.attribution)
         return "; ".join(dict.fromkeys(filter(None, both)))
 
     @cached_property
@@ -312,7 +312,7 @@ class ModelledRelief:
         """Description for people."""
         return Message(
             "relief of {0} from {1:.1f} to {2:.1f} m above the ellipsoid",
-            self.heights.surface.title,
+            self.heights.planned.title,
             self.lowest_m,
             self.highest_m,
         )

@@ -1,0 +1,109 @@
+"""Heights of the surface that flights keep clear of, with the roofs of buildings on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...arrays import Floats, Numbers
+from ...geodesy.ellipsoid import positions
+from ...geodesy.local import enu_axes, geocentric
+from ...geodesy.triangles import WALL, FaceModel, Triangles
+
+if TYPE_CHECKING:
+    from ...geodesy.raytracing.surface import Surface
+    from ...geodesy.raytracing.tracing import ElevationModel
+
+#: Cells by which roofs are wider on the grid, so that no bilinear surface cuts their edges off.
+_WIDER = 1.0
+#: Pixels in boxes around triangles that are looked at together.
+_BATCH = 1 << 20
+
+
+@dataclass(frozen=True, eq=False)
+class RoofedElevation:
+    """Heights of an elevation model, raised to the tops of faces: an `ElevationModel`, to plan with.
+
+    Each triangle counts as level at its highest corner, and as a cell wider than it is. Pictures meet the faces
+    themselves instead, see `Heights`.
+    """
+
+    elevation: ElevationModel
+    faces: FaceModel
+
+    @property
+    def title(self) -> str:
+        """Name of the elevation."""
+        return self.elevation.title
+
+    @property
+    def attribution(self) -> str:
+        """Credit for the elevation."""
+        return self.elevation.attribution
+
+    def surface(self, lat_deg: Floats, lon_deg: Floats, cell_m: float = 0.0) -> Surface:
+        """Heights over the bounding box of positions."""
+        surface = self.elevation.surface(lat_deg, lon_deg, cell_m)
+        triangles = self.faces.triangles(lat_deg, lon_deg)
+        triangles = triangles.take(triangles.kind != WALL)
+        return _raised(surface, triangles, (float(np.mean(lat_deg)), float(np.mean(lon_deg)))) if triangles else surface
+
+    def cell_m(self, lat_deg: float, lon_deg: float) -> float:
+        """Size in metres of the elevation's finest cells at a place."""
+        return self.elevation.cell_m(lat_deg, lon_deg)
+
+    def end_m(self, lat_deg: float, lon_deg: float) -> float:
+        """Level distance from a place beyond which there is no ground, metres."""
+        return self.elevation.end_m(lat_deg, lon_deg)
+
+
+def _raised(surface: Surface, triangles: Triangles, place: tuple[float, float]) -> Surface:
+    """Surface raised to the tops of triangles; ``place`` is near them."""
+    offsets = (triangles.corners_m.reshape(-1, 3) - geocentric(*place)) @ enu_axes(*place).T
+    lat, dlon, height = positions(np.array(place[0]), np.array(0.0), offsets)
+    x, y = (at.reshape(-1, 3) for at in surface.position(lat, place[1] + dlon))
+    tops = height.reshape(-1, 3).max(axis=1)
+    rows, columns = surface.heights_m.shape
+    (left, right), (top, bottom) = (
+        (np.clip(np.ceil(at.min(axis=1) - _WIDER), 0, side), np.clip(np.floor(at.max(axis=1) + _WIDER) + 1, 0, side))
+        for at, side in ((x, columns), (y, rows))
+    )
+    boxes = np.stack([left, top, np.maximum(right, left), np.maximum(bottom, top)]).astype(np.int64)
+    heights = surface.heights_m.astype(np.result_type(surface.heights_m, np.float32))
+    ends = np.cumsum((boxes[2] - boxes[0]) * (boxes[3] - boxes[1]))
+    start = begun = 0
+    while start < len(ends):
+        stop = max(int(np.searchsorted(ends, begun + _BATCH, "right")), start + 1)
+        some = slice(start, stop)
+        one, row, column = _box_pixels(boxes[:, some])
+        is_near = _within(x[some][one], y[some][one], column, row)
+        at = row[is_near], column[is_near]
+        # Where there is no ground, comparisons with NaN leave it so.
+        values = np.where(np.isnan(heights[at]), np.nan, tops[some][one[is_near]])
+        with np.errstate(invalid="ignore"):
+            np.maximum.at(heights, at, values.astype(heights.dtype))
+        start, begun = stop, int(ends[stop - 1])
+    return replace(surface, heights_m=heights)
+
+
+def _box_pixels(boxes: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+    """Numbers of boxes (4, n), and rows and columns of the pixels in them."""
+    left, top, right, bottom = boxes
+    counts = (right - left) * (bottom - top)
+    one = np.repeat(np.arange(len(counts)), counts)
+    at = np.arange(len(one)) - np.repeat(np.cumsum(counts) - counts, counts)
+    wide = (right - left)[one]
+    return one, top[one] + at // wide, left[one] + at % wide
+
+
+def _within(x: Floats, y: Floats, column: Numbers, row: Numbers) -> Numbers:
+    """Whether pixels (n,) lie within triangles (n, 3), or less than a cell's width outside each of their edges."""
+    next_x, next_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+    along_x, along_y = next_x - x, next_y - y
+    turn = np.sign(along_x[:, 0] * along_y[:, 1] - along_y[:, 0] * along_x[:, 1])
+    length = np.maximum(np.hypot(along_x, along_y), np.finfo(float).tiny)
+    side = (along_x * (row[:, np.newaxis] - y) - along_y * (column[:, np.newaxis] - x)) / length
+    within: Numbers = (side * turn[:, np.newaxis] >= -_WIDER).all(axis=1)
+    return within
