@@ -97,7 +97,8 @@ class Sighting(NamedTuple):
     def blank(cls, shape: tuple[int, ...]) -> Sighting:
         """Pixels without ground."""
         depth, lat, lon, height = (np.full(shape, np.nan) for _ in range(4))
-        normals, steep = np.full((*shape, 3), np.nan), np.zeros(shape, bool)
+        # The sign is that of slopes turned round, so that files keep their bytes.
+        normals, steep = np.full((*shape, 3), -np.nan), np.zeros(shape, bool)
         kind, instance = np.full(shape, RELIEF, np.uint8), np.zeros(shape, np.int64)
         return cls(depth, lat, lon, height, normals, steep, kind, instance)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
@@ -30,15 +29,6 @@ class Heights:
     ground: ElevationModel
     surface: ElevationModel
     faces: FaceModel = NO_FACES
-
-    @cached_property
-    def planned(self) -> ElevationModel:
-        """The surface that a flight keeps clear of: with the roofs of buildings on it."""
-        if self.faces is NO_FACES:
-            return self.surface
-        from .roofed import RoofedElevation
-
-        return RoofedElevation(self.surface, self.faces)
 
 
 class Flown(NamedTuple):

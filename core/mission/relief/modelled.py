@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,10 @@ from ..mission import Mission
 from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 from .ground import Flown, Heights, Relief, ReliefFigures, level_ground, refuse_hole
 from .path_ground import BATCH, ReliefPathGround, TiledPathGround, cell_size_m, highest_around, lowest_around
+from .roofed import planned_surface
+
+if TYPE_CHECKING:
+    from ...geodesy.raytracing.tracing import ElevationModel
 
 #: Tangent of the angle off the vertical up to which the relief is searched for ground that an image may see.
 _MAX_TANGENT = 4.0
@@ -98,12 +102,17 @@ class ModelledRelief:
         self.heights = heights
         self._surface = replace(self._surface, heights_m=heights_m)
 
+    @property
+    def _planned(self) -> ElevationModel:
+        """The surface that the flight keeps clear of."""
+        return planned_surface(self.heights)
+
     def _read(self, lat_deg: Floats, lon_deg: Floats) -> None:
         """Read the relief around positions (n,), as far as images from there may see."""
         around = _widened(lat_deg, lon_deg, self.radius_m + self.mission.terrain.clearance_distance_m)
         self._ground = self._surface = self.heights.ground.surface(*around)
-        if self.heights.planned is not self.heights.ground:
-            self._surface = self.heights.planned.surface(*around)
+        if self._planned is not self.heights.ground:
+            self._surface = self._planned.surface(*around)
         self.lowest_m, self.highest_m = (float(f(self._surface.heights_m)) for f in (np.nanmin, np.nanmax))
         # Cached properties of the relief that was read before.
         for name in ("merge_distance_m", "_low", "_merged_low", "_tops", "_merged_tops", "_seen_by_latitude", "_whole"):
@@ -136,8 +145,8 @@ class ModelledRelief:
         distance_m = self.mission.terrain.clearance_distance_m
         around = _widened(lat_deg, lon_deg, room_m + distance_m)
         ground = surface = self.heights.ground.surface(*around)
-        if self.heights.planned is not self.heights.ground:
-            surface = self.heights.planned.surface(*around)
+        if self._planned is not self.heights.ground:
+            surface = self._planned.surface(*around)
         return ReliefPathGround(ground, surface, distance_m)
 
     @cached_property
@@ -145,7 +154,7 @@ class ModelledRelief:
         """Relief at the finest resolution for areas of any size."""
         lat, lon = _area_positions(self.mission)
         around = _widened(lat[:1], lon[:1], 4.0)
-        finest = (one.surface(*around) for one in (self.heights.ground, self.heights.planned))
+        finest = (one.surface(*around) for one in (self.heights.ground, self._planned))
         return TiledPathGround(self._read_around, min(map(cell_size_m, finest)))
 
     @cached_property
@@ -161,7 +170,7 @@ class ModelledRelief:
         around = self._path_extent()
         if around is None:
             return True
-        for heights in {id(one): one for one in (self.heights.ground, self.heights.planned)}.values():
+        for heights in {id(one): one for one in (self.heights.ground, self._planned)}.values():
             surface = heights.surface(*around)
             highest, lowest = (float(f(surface.heights_m)) for f in (np.nanmax, np.nanmin))
             if max(highest, self.highest_m) - min(lowest, self.lowest_m) > _LEVEL_M:
@@ -246,7 +255,7 @@ class ModelledRelief:
     @property
     def attribution(self) -> str:
         """Credit for the heights."""
-        both = (self.heights.planned.attribution, self.heights.ground.attribution)
+        both = (self._planned.attribution, self.heights.ground.attribution)
         return "; ".join(dict.fromkeys(filter(None, both)))
 
     @cached_property
@@ -312,7 +321,7 @@ class ModelledRelief:
         """Description for people."""
         return Message(
             "relief of {0} from {1:.1f} to {2:.1f} m above the ellipsoid",
-            self.heights.planned.title,
+            self._planned.title,
             self.lowest_m,
             self.highest_m,
         )

@@ -10,14 +10,19 @@ import numpy as np
 from ...arrays import Floats, Numbers
 from ...geodesy.ellipsoid import positions
 from ...geodesy.local import enu_axes, geocentric
-from ...geodesy.triangles import WALL, FaceModel, Triangles
+from ...geodesy.raytracing.surface import Surface
+from ...geodesy.triangles import NO_FACES, WALL, FaceModel, Triangles
+from .ground import Heights
+from .path_ground import cell_size_m
 
 if TYPE_CHECKING:
-    from ...geodesy.raytracing.surface import Surface
     from ...geodesy.raytracing.tracing import ElevationModel
 
 #: Cells by which roofs are wider on the grid, so that no bilinear surface cuts their edges off.
 _WIDER = 1.0
+#: Greatest size of cells that hold roofs, metres, but where there would be too many.
+_ROOF_CELL_M = 2.0
+_MOST_CELLS = 1 << 22
 #: Pixels in boxes around triangles that are looked at together.
 _BATCH = 1 << 20
 
@@ -48,7 +53,9 @@ class RoofedElevation:
         surface = self.elevation.surface(lat_deg, lon_deg, cell_m)
         triangles = self.faces.triangles(lat_deg, lon_deg)
         triangles = triangles.take(triangles.kind != WALL)
-        return _raised(surface, triangles, (float(np.mean(lat_deg)), float(np.mean(lon_deg)))) if triangles else surface
+        if not len(triangles):
+            return surface
+        return _raised(_finer(surface, cell_m), triangles, (float(np.mean(lat_deg)), float(np.mean(lon_deg))))
 
     def cell_m(self, lat_deg: float, lon_deg: float) -> float:
         """Size in metres of the elevation's finest cells at a place."""
@@ -57,6 +64,28 @@ class RoofedElevation:
     def end_m(self, lat_deg: float, lon_deg: float) -> float:
         """Level distance from a place beyond which there is no ground, metres."""
         return self.elevation.end_m(lat_deg, lon_deg)
+
+
+def planned_surface(heights: Heights) -> ElevationModel:
+    """Return the surface that a flight keeps clear of: that of a mission, with the roofs of its buildings."""
+    return heights.surface if heights.faces is NO_FACES else RoofedElevation(heights.surface, heights.faces)
+
+
+def _finer(surface: Surface, cell_m: float) -> Surface:
+    """The same surface on cells small enough for roofs, as level ground and far relief have large ones."""
+    size_m = cell_size_m(surface)
+    rows, columns = surface.cells
+    factor, wanted_m = 1, max(cell_m, _ROOF_CELL_M)
+    while size_m > wanted_m * factor * 1.5 and rows * columns * (2 * factor) ** 2 <= _MOST_CELLS:
+        factor *= 2
+    if factor == 1:
+        return surface
+    # Pixels' centres of the finer zoom, from the first one within the surface to the last.
+    first = factor // 2
+    x, y = ((first + 0.5 + np.arange(side * factor)) / factor - 0.5 for side in (columns, rows))
+    heights = surface.heights(*(at.ravel() for at in np.meshgrid(x, y))).reshape(len(y), len(x))
+    left, top = surface.left_px * factor + first, surface.top_px * factor + first
+    return Surface(surface.grid, surface.zoom + factor.bit_length() - 1, left, top, heights.astype(np.float32))
 
 
 def _raised(surface: Surface, triangles: Triangles, place: tuple[float, float]) -> Surface:

@@ -7,6 +7,8 @@ import pickle
 import numpy as np
 import pytest
 from osgeo import gdal
+from terrainav.core.elevation.heights import HeightOptions
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.triangles import NO_FACES, ROOF, WALL
 from terrainav.core.imagery.opening import open_source
@@ -14,6 +16,7 @@ from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.relief.ground import Heights
+from terrainav.core.mission.relief.roofed import RoofedElevation
 from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.painting import AMBIENT, sun_enu
 from terrainav.core.picture.products import products, sighting
@@ -151,6 +154,32 @@ def test_the_clearance_is_kept_from_roofs(files, tower):
     assert made.height_m[0] == pytest.approx(GROUND_M + HIGH_M + 15.0, abs=0.01)
     made, _ = planned(files, NO_FACES, at=(0.0, 27.0), agl=40.0, clearance_m=15.0)
     assert made.height_m[0] == pytest.approx(GROUND_M + 40.0, abs=0.01)
+
+
+def test_ground_of_large_cells_is_raised_under_roofs_only(tower):
+    level = open_relief(("100",), HeightOptions())
+    lat, lon = LAT + np.array([-100.0, 100.0]) * METRE_LAT, LON + np.array([-100.0, 100.0]) * METRE_LON
+    raised = RoofedElevation(level, tower).surface(lat, lon)
+
+    def height(x, y):
+        return float(
+            raised.heights(*raised.position(LAT + np.array([y]) * METRE_LAT, LON + np.array([x]) * METRE_LON))[0]
+        )
+
+    for inside in ((0.0, 27.0), (-9.5, 20.5), (9.5, 34.5)):
+        assert height(*inside) == pytest.approx(GROUND_M + HIGH_M, abs=0.01)
+    for outside in ((0.0, 10.0), (-18.0, 27.0), (0.0, 44.0), (90.0, -90.0)):
+        assert height(*outside) == pytest.approx(GROUND_M, abs=0.01)
+
+
+def test_buildings_on_level_ground_are_seen_by_camera_frames(files, tower):
+    made, source = planned((files[0], str(GROUND_M)), tower)
+    wanted, _ = planned(files, tower)
+    assert not made.frames.on_map
+    seen, other = (sighting(one, 0, size_of(one)) for one in (made, wanted))
+    assert np.array_equal(seen.kind, other.kind)
+    assert seen.depth_m == pytest.approx(other.depth_m, abs=0.05)
+    assert (picture(made, source).pixels[seen.kind == WALL] > 0).any()
 
 
 def test_plans_go_to_other_processes_without_the_faces(files, tower):
