@@ -1,0 +1,181 @@
+"""Features of vector files against what GDAL's own modules state of the same files."""
+
+from __future__ import annotations
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+from terrainav.core.errors import InvalidInput
+from terrainav.core.vectors import layer as layers
+from terrainav.core.vectors import reading
+from terrainav.core.vectors.features import LINE, POINT, POLYGON
+from terrainav.core.vectors.layer import open_layer, parse_layer
+
+SQUARE = [[7.0, 46.0], [7.0, 46.001], [7.001, 46.001], [7.001, 46.0], [7.0, 46.0]]
+HOLE = [[7.0002, 46.0002], [7.0004, 46.0002], [7.0004, 46.0004], [7.0002, 46.0004], [7.0002, 46.0002]]
+#: Crosses itself; its two triangles differ, so that its signed area is not 0.
+BOW_TIE = [[7.01, 46.0], [7.02, 46.01], [7.02, 46.0], [7.01, 46.02], [7.01, 46.0]]
+FLAT = [[7.0, 46.0], [7.1, 46.0], [7.2, 46.0], [7.0, 46.0]]
+EVERYWHERE = (-180.0, -90.0, 180.0, 90.0)
+
+
+def geojson(path, geometries, values=None):
+    features = [
+        {"type": "Feature", "geometry": one, "properties": values[place] if values else {"n": place}}
+        for place, one in enumerate(geometries)
+    ]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}), encoding="utf-8")
+    return str(path)
+
+
+def polygon(*rings):
+    return {"type": "Polygon", "coordinates": rings}
+
+
+@pytest.fixture(params=["osgeo", "pyogrio", ""])
+def by(request, monkeypatch):
+    """Each way to read files; GeoJSON alone by the last."""
+    if request.param:
+        pytest.importorskip(request.param)
+    monkeypatch.setattr(reading, "backend", lambda: request.param)
+    monkeypatch.setattr(layers, "backend", lambda: request.param)
+    return request.param
+
+
+def geopackage(path, wkt, epsg, name="roofs"):
+    ogr, osr = pytest.importorskip("osgeo.ogr"), pytest.importorskip("osgeo.osr")
+    reference = None
+    if epsg:
+        reference = osr.SpatialReference()
+        reference.ImportFromEPSG(epsg)
+    made = ogr.GetDriverByName("GPKG").CreateDataSource(str(path))
+    layer = made.CreateLayer(name, reference, ogr.wkbUnknown)
+    layer.CreateField(ogr.FieldDefn("class", ogr.OFTString))
+    for text in wkt:
+        feature = ogr.Feature(layer.GetLayerDefn())
+        feature.SetField("class", "field")
+        feature.SetGeometry(ogr.CreateGeometryFromWkt(text))
+        layer.CreateFeature(feature)
+    return str(path)
+
+
+def test_polygons_lines_and_points_come_in_order_with_turned_rings(tmp_path, by):
+    line = {"type": "LineString", "coordinates": [[7.0, 46.0], [7.1, 46.1]]}
+    point = {"type": "MultiPoint", "coordinates": [[7.0, 46.0], [7.2, 46.2]]}
+    path = geojson(tmp_path / "a.geojson", [polygon(SQUARE, HOLE), line, point])
+    layer = pickle.loads(pickle.dumps(open_layer(path, index_dir=tmp_path)))
+    found = layer.features(*EVERYWHERE, ["n"])
+    assert found.number.tolist() == [1, 2, 3]
+    assert found.kind.tolist() == [POLYGON, LINE, POINT]
+    assert found.values == {"n": (0, 1, 2)}
+    assert found.feature_starts.tolist() == [0, 1, 2, 4]
+    assert found.part_starts.tolist() == [0, 2, 3, 4, 5]
+    assert found.ring_starts.tolist() == [0, 5, 10, 12, 13, 14]
+    np.testing.assert_array_equal(np.column_stack([found.lon_deg, found.lat_deg])[:10], SQUARE[::-1] + HOLE[::-1])
+
+
+def test_areas_that_cross_themselves_are_repaired_or_left_out_and_counted(tmp_path, by):
+    path = geojson(tmp_path / "a.geojson", [polygon(SQUARE), polygon(BOW_TIE), polygon(FLAT), None])
+    layer = open_layer(path, index_dir=tmp_path)
+    found = layer.features(*EVERYWHERE)
+    assert layer.count == 4
+    assert found.number.tolist() == ([1, 2] if by else [1])
+    assert (layer.repaired, layer.dropped) == ((1, 2) if by else (0, 3))
+    if by:
+        # Two triangles.
+        assert found.feature_starts.tolist() == [0, 1, 3]
+
+
+def test_features_are_found_across_the_antimeridian(tmp_path, by):
+    west = polygon([[179.5, 0], [179.9, 0], [179.9, 1], [179.5, 0]])
+    east = polygon([[-179.9, 0], [-179.5, 0], [-179.5, 1], [-179.9, 0]])
+    layer = open_layer(geojson(tmp_path / "a.geojson", [west, east]), index_dir=tmp_path)
+    assert layer.features(179.0, -1.0, 181.0, 2.0).lon_deg.tolist()[4:] == pytest.approx([180.1, 180.5, 180.5, 180.1])
+    assert layer.features(-181.0, -1.0, -179.0, 2.0).lon_deg.tolist()[:2] == pytest.approx([-180.5, -180.1])
+    assert layer.features(-179.7, -1.0, -179.0, 2.0).number.tolist() == [2]
+    assert layer.features(0.0, -1.0, 10.0, 2.0).number.tolist() == []
+    assert layer.features(179.0, -1.0, 181.0, 2.0, least_m=1e6).number.tolist() == []
+
+
+@pytest.mark.parametrize("module", ["osgeo", "pyogrio"])
+def test_edges_of_a_plane_stay_straight_there(tmp_path, monkeypatch, module):
+    pytest.importorskip(module)
+    path = geopackage(
+        tmp_path / "a.gpkg", ["POLYGON ((0 6000000, 0 6100000, 900000 6100000, 900000 6000000, 0 6000000))"], 32632
+    )
+    monkeypatch.setattr(reading, "backend", lambda: module)
+    monkeypatch.setattr(layers, "backend", lambda: module)
+    found = open_layer(path, index_dir=tmp_path / module).features(*EVERYWHERE)
+    from pyproj import Transformer
+
+    share = np.linspace(0.0, 1.0, 7)
+    middle = np.outer(1 - share, [1, 1])[:, :1]
+    lon, lat = found.lon_deg, found.lat_deg
+    between = [middle * a[:-1] + (1 - middle) * a[1:] for a in (lon, lat)]
+    x, y = Transformer.from_crs("OGC:CRS84", "EPSG:32632", always_xy=True).transform(*between)
+    off = np.min([abs(x), abs(x - 9e5), abs(y - 6.0e6), abs(y - 6.1e6)], axis=0)
+    assert off.max() < 2e-3
+    assert found.lat_deg.size > 100
+
+
+def test_two_readers_give_the_same_of_a_geopackage(tmp_path, monkeypatch):
+    pytest.importorskip("pyogrio")
+    shapes = ["POLYGON ((0 0, 0 9, 9 9, 9 0, 0 0))", "LINESTRING (0 0, 5 5)", "POINT (3 4)"]
+    path = geopackage(tmp_path / "a.gpkg", shapes, 32632)
+    found = []
+    for module in ("osgeo", "pyogrio"):
+        monkeypatch.setattr(reading, "backend", lambda module=module: module)
+        found.append(open_layer(path, "roofs", index_dir=tmp_path / module).features(*EVERYWHERE, ["class"]))
+    for name in ("number", "kind", "lon_deg", "lat_deg", "ring_starts", "part_starts", "feature_starts"):
+        np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))
+    assert found[0].values == found[1].values == {"class": ("field",) * 3}
+
+
+def test_names_of_layers_and_fields(tmp_path):
+    path = geopackage(tmp_path / "a:b.gpkg", ["POINT (3 4)"], 4326)
+    assert parse_layer(path) == (path, "", "")
+    assert parse_layer(f"{path}:roofs") == (path, "roofs", "")
+    assert parse_layer(f"{path}:class") == (path, "", "class")
+    assert parse_layer(f"{path}:roofs:class") == (path, "roofs", "class")
+    with pytest.raises(InvalidInput, match="no such file"):
+        parse_layer(r"C:\none.gpkg:roofs")
+
+
+def test_a_changed_file_is_indexed_anew(tmp_path, by):
+    path = geojson(tmp_path / "a.geojson", [polygon(SQUARE)])
+    assert open_layer(path, index_dir=tmp_path / "index").count == 1
+    geojson(tmp_path / "a.geojson", [polygon(SQUARE), polygon(SQUARE)])
+    assert open_layer(path, index_dir=tmp_path / "index").count == 2
+
+
+def test_values_are_counted_up_to_what_16_bits_hold(tmp_path, by, monkeypatch):
+    values = [{"class": value} for value in ("a", None, "a", "b")]
+    layer = open_layer(geojson(tmp_path / "a.geojson", [polygon(SQUARE)] * 4, values), index_dir=tmp_path)
+    assert layer.values("class") == {"a": 2, None: 1, "b": 1}
+    monkeypatch.setattr(layers, "MAX_VALUES", 2)
+    with pytest.raises(InvalidInput, match="more than 2 distinct values"):
+        layer.values("class")
+    with pytest.raises(InvalidInput, match="has no field 'klass', but class"):
+        layer.features(*EVERYWHERE, ["klass"])
+
+
+def test_bad_files_get_one_line(tmp_path, by):
+    bad = tmp_path / "bad.geojson"
+    bad.write_text("{", encoding="utf-8")
+    with pytest.raises(InvalidInput, match=r"bad\.geojson: "):
+        open_layer(str(bad), index_dir=tmp_path)
+    with pytest.raises(InvalidInput, match="cannot be read"):
+        open_layer(str(tmp_path / "none.geojson"), index_dir=tmp_path)
+    good = geojson(tmp_path / "good.geojson", [polygon(SQUARE)])
+    with pytest.raises(InvalidInput, match="has no layer 'roofs', but good"):
+        open_layer(good, "roofs", index_dir=tmp_path)
+    with pytest.raises(InvalidInput, match="has no features with a geometry"):
+        open_layer(geojson(tmp_path / "empty.geojson", [None]), index_dir=tmp_path)
+
+
+def test_a_layer_without_reference_system_is_refused(tmp_path):
+    path = geopackage(tmp_path / "a.gpkg", ["POINT (3 4)"], 0)
+    with pytest.raises(InvalidInput, match="reference system"):
+        open_layer(path, index_dir=tmp_path)
