@@ -100,8 +100,8 @@ def test_entries_of_buildings_and_labels_appear_with_them(desk, roofs):
     section.unfold()
     for name, other in (("buildings", "building_height_field"), ("labels", "label_order")):
         entry = section.findChild(QLineEdit, other)
-        assert not entry.isVisibleTo(section)
+        desk.wait(lambda entry=entry: not entry.isVisibleTo(section))
         section.findChild(QLineEdit, name).setText("houses.geojson")
-        assert entry.isVisibleTo(section)
+        desk.wait(lambda entry=entry: entry.isVisibleTo(section))
     offers(desk, "buildings")["Roofs && sheds"].trigger()
     assert desk.session.state().buildings[1].partition(".gpkg:")[2] == "Roofs___sheds"
