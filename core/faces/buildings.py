@@ -1,0 +1,450 @@
+"""Buildings of a vector layer, standing on the ground."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, OrderedDict
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..arrays import Flags, Floats, Numbers
+from ..geodesy.ellipsoid import WGS84
+from ..geodesy.local import geocentric
+from ..geodesy.raytracing.surface import Surface
+from ..geodesy.raytracing.tracing import ElevationModel
+from ..geodesy.triangles import FLOOR, ROOF, Triangles
+from .heights import LEVEL_M, Value, read_colour, read_direction_deg, read_length_m, read_number
+from .roofs import FLAT, NEAREST, PITCH_DEG, SHAPES, Roof, Solid, build, pitched_height_m
+from .triangulation import open_ring
+
+#: Depth of walls below the lowest ground: coarser levels of the relief differ from the finest.
+SKIRT_M = 2.0
+#: Zoom of the Web-Mercator tiles, about 600 m wide, that are read at a time.
+_ZOOM = 16
+#: Triangles kept in memory.
+_MOST_TRIANGLES = 2_000_000
+#: Share of an outline that its parts cover, from which they replace it.
+_COVERED = 0.9
+#: Points along either side of an outline's box by which that share is measured.
+_SAMPLES = 24
+#: Examples of unread values.
+_EXAMPLES = 5
+_HEIGHTS = ("height", "HEIGHT", "Height", "building:height", "building_height", "measuredHeight", "bldg_height")
+_FIELDS = (
+    "min_height", "building:levels", "building:min_level", "roof:height", "roof:levels", "roof:shape",
+    "roof:direction", "roof:orientation", "roof:angle", "building:part", "building:colour", "roof:colour",
+)  # fmt: skip
+#: Plaster, brick, concrete, wood and stone.
+_WALLS = ((222, 211, 190), (203, 186, 160), (164, 104, 84), (150, 148, 143), (142, 112, 82), (190, 182, 170))
+_ROOFS = ((128, 124, 120), (150, 84, 66), (104, 102, 104))
+
+
+class FootprintLayer(Protocol):
+    """What is read of a vector layer."""
+
+    @property
+    def title(self) -> str:
+        """Name for users."""
+
+    @property
+    def attribution(self) -> str:
+        """Credit for the footprints."""
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of fields."""
+
+    def features(
+        self, west_deg: float, south_deg: float, east_deg: float, north_deg: float, fields: tuple[str, ...] = ()
+    ) -> Any:
+        """Features whose bounding boxes meet a box."""
+
+
+@dataclass(frozen=True)
+class BuildingOptions:
+    """How buildings are read.
+
+    Parameters
+    ----------
+    height_field : str
+        Field with heights; empty: the usual ones.
+    default_height_m : float
+        Height of buildings without height and levels.
+    seed : int
+        Chooses the colours.
+    """
+
+    height_field: str = ""
+    default_height_m: float = 6.0
+    seed: int = 0
+
+
+@dataclass
+class BuildingCounts:
+    """Buildings read so far, by where their heights come from, and what was changed or left out."""
+
+    with_height: int = 0
+    with_levels: int = 0
+    by_default: int = 0
+    lowered_min_heights: int = 0
+    lowered_roofs: int = 0
+    flat_instead: int = 0
+    replaced: int = 0
+    without_ground: int = 0
+    not_solid: int = 0
+    unread: Counter[str] = field(default_factory=Counter)
+    unknown_roofs: Counter[str] = field(default_factory=Counter)
+    examples: dict[str, list[str]] = field(default_factory=dict)
+
+    def add_unread(self, name: str, value: Value) -> None:
+        """Count a value that could not be read, and keep it as one of a few examples."""
+        self.unread[name] += 1
+        kept = self.examples.setdefault(name, [])
+        if str(value) not in kept and len(kept) < _EXAMPLES:
+            kept.append(str(value))
+
+
+class _Footprint(NamedTuple):
+    """Polygon of a feature, in degrees and in metres from its first vertex."""
+
+    row: int
+    origin_deg: Floats
+    per_deg: Floats
+    rings: list[Floats]
+
+    @property
+    def degrees(self) -> list[Floats]:
+        """Rings as longitude and latitude."""
+        return [ring / self.per_deg + self.origin_deg for ring in self.rings]
+
+
+class _Tile(NamedTuple):
+    """Triangles of a tile, with their buildings' boxes (west, south, east, north) and sizes; tiles that reach in."""
+
+    triangles: Triangles
+    boxes_deg: Floats
+    size_m: Floats
+    owners: frozenset[tuple[int, int]]
+
+
+class Buildings:
+    """Solids over the footprints of a layer (a `FaceModel`), read by tiles.
+
+    A building belongs to the tile of its first vertex, and a part to that of its outline.
+
+    Parameters
+    ----------
+    layer : FootprintLayer
+    ground : ElevationModel
+    options : BuildingOptions
+    """
+
+    def __init__(self, layer: FootprintLayer, ground: ElevationModel, options: BuildingOptions | None = None) -> None:
+        self.options = options or BuildingOptions()
+        self.title, self.attribution = layer.title, layer.attribution
+        self.counts = BuildingCounts()
+        self.highest_m = 0.0
+        self._layer, self._ground = layer, ground
+        heights = (self.options.height_field,) if self.options.height_field else _HEIGHTS
+        self._heights = tuple(name for name in heights if name in layer.fields)
+        self._fields = (*self._heights, *(name for name in _FIELDS if name in layer.fields))
+        self._tiles: OrderedDict[tuple[int, int], _Tile] = OrderedDict()
+        self._counted: set[tuple[int, int]] = set()
+
+    def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
+        """Triangles of the buildings whose boxes meet the bounding box of positions, but for small ones."""
+        west, east = float(np.min(lon_deg)), float(np.max(lon_deg))
+        south, north = float(np.min(lat_deg)), float(np.max(lat_deg))
+        (left, top), (right, bottom) = _tile_of(west, north), _tile_of(east, south)
+        inside = [(x, y) for x in range(left, right + 1) for y in range(top, bottom + 1)]
+        owners = sorted(set(inside).union(*(self._tile(*one).owners for one in inside)))
+        found = []
+        for one in owners:
+            tile = self._tile(*one)
+            w, s, e, n = tile.boxes_deg.T
+            meets = (w <= east) & (e >= west) & (s <= north) & (n >= south)
+            found.append(tile.triangles.take(meets & (tile.size_m >= least_m)))
+        return Triangles.joined(found)
+
+    def _tile(self, x: int, y: int) -> _Tile:
+        """Tile of a place, from memory or made."""
+        key = x, y
+        if key in self._tiles:
+            self._tiles.move_to_end(key)
+            return self._tiles[key]
+        kept = self.counts
+        if key in self._counted:
+            self.counts = BuildingCounts()
+        try:
+            tile = self._make(x, y)
+        finally:
+            if key in self._counted:
+                self.counts = kept
+        self._counted.add(key)
+        self._tiles[key] = tile
+        while len(self._tiles) > 1 and sum(len(one.triangles) for one in self._tiles.values()) > _MOST_TRIANGLES:
+            self._tiles.popitem(last=False)
+        return tile
+
+    def _make(self, x: int, y: int) -> _Tile:
+        """Read the buildings of a tile and place them."""
+        box = _tile_box(x, y)
+        near = _footprints(self._layer.features(*box, fields=self._fields))
+        own = [one for one in near if _tile_of(*one.origin_deg) == (x, y)]
+        owners = frozenset(_tile_of(*one.origin_deg) for one in near)
+        if not own:
+            return _Tile(Triangles.joined([]), np.empty((0, 4)), np.empty(0), owners)
+        ends = np.concatenate([one.degrees[0] for one in own])
+        (west, south), (east, north) = ends.min(axis=0).tolist(), ends.max(axis=0).tolist()
+        features = self._layer.features(west, south, east, north, fields=self._fields)
+        chosen = self._without_replaced(features, _footprints(features), (x, y))
+        return self._placed(features, chosen, owners)
+
+    def _without_replaced(
+        self, features: Any, near: list[_Footprint], key: tuple[int, int]
+    ) -> list[tuple[_Footprint, int]]:
+        """Footprints of a tile with their instances: parts have their outline's, and replace it where they cover it."""
+        is_part = features.values.get("building:part", (None,) * len(features.number))
+        outlines = [one for one in near if is_part[one.row] in (None, "", "no")]
+        parts = [one for one in near if is_part[one.row] not in (None, "", "no")]
+        boxes = np.array([[*one.degrees[0].min(axis=0), *one.degrees[0].max(axis=0)] for one in outlines])
+        homes: dict[int, list[_Footprint]] = {}
+        found = []
+        for part in parts:
+            home = _home(part, outlines, boxes) if outlines else None
+            if home is not None:
+                homes.setdefault(home, []).append(part)
+            elif _tile_of(*part.origin_deg) == key:
+                found.append((part, int(features.number[part.row])))
+        for k, outline in enumerate(outlines):
+            if _tile_of(*outline.origin_deg) != key:
+                continue
+            number, its = int(features.number[outline.row]), homes.get(k, [])
+            if its and _covered_share(outline, its) >= _COVERED:
+                self.counts.replaced += 1
+            else:
+                found.append((outline, number))
+            found += [(part, number) for part in its]
+        return found
+
+    def _placed(self, features: Any, chosen: list[tuple[_Footprint, int]], owners: frozenset[tuple[int, int]]) -> _Tile:
+        """Solids of footprints on the ground, as triangles."""
+        if not chosen:
+            return _Tile(Triangles.joined([]), np.empty((0, 4)), np.empty(0), owners)
+        ends = np.concatenate([one.degrees[0] for one, _ in chosen])
+        surface = self._ground.surface(ends[:, 1], ends[:, 0], 0.0)
+        lowest = lowest_ground_m(surface, [one.degrees for one, _ in chosen])
+        parts, boxes, sizes = [], [], []
+        for (one, instance), base in zip(chosen, lowest.tolist()):
+            if not math.isfinite(base):
+                self.counts.without_ground += 1
+                continue
+            values = {name: column[one.row] for name, column in features.values.items()}
+            solid, bottom = self._solid(one, values)
+            if solid is None:
+                self.counts.not_solid += 1
+                continue
+            parts.append(self._triangles(one, solid, base, bottom, instance, values))
+            degrees = one.degrees[0]
+            box = [*degrees.min(axis=0), *degrees.max(axis=0)]
+            boxes.append(np.broadcast_to(box, (len(parts[-1]), 4)))
+            self.highest_m = max(self.highest_m, float(solid.points_m[:, 2].max()))
+            sizes.append(np.full(len(parts[-1]), float(np.ptp(solid.points_m, axis=0).max())))
+        if not parts:
+            return _Tile(Triangles.joined([]), np.empty((0, 4)), np.empty(0), owners)
+        return _Tile(Triangles.joined(parts), np.concatenate(boxes), np.concatenate(sizes), owners)
+
+    def _triangles(
+        self, one: _Footprint, solid: Solid, base_m: float, bottom_m: float, instance: int, values: dict[str, Value]
+    ) -> Triangles:
+        """Triangles of a solid on the ground; what touches it has no underside, and walls that go on below it."""
+        up = solid.points_m[:, 2].copy()
+        keep = np.ones(len(solid.kind), np.bool_)
+        if bottom_m <= 0.0:
+            keep = solid.kind != FLOOR
+            up[len(up) // 2 :] -= SKIRT_M
+        place = solid.points_m[:, :2] / one.per_deg + one.origin_deg
+        corners = geocentric(place[:, 1], place[:, 0], up + base_m)[solid.triangles[keep]]
+        kind, mixed = solid.kind[keep], (instance * 2654435761 + self.options.seed * 40503) >> 4
+        wall = read_colour(values.get("building:colour")) or _WALLS[mixed % len(_WALLS)]
+        roof = read_colour(values.get("roof:colour")) or _ROOFS[mixed // 7 % len(_ROOFS)]
+        colour = np.where((kind == ROOF)[:, None], roof, wall).astype(np.uint8)
+        return Triangles(corners, kind, np.full(len(kind), instance, np.int64), colour, kind == ROOF)
+
+    def _solid(self, one: _Footprint, values: dict[str, Value]) -> tuple[Solid | None, float]:
+        """Solid of a footprint in metres above its lowest ground, and the height of its underside."""
+        counts, ring = self.counts, one.rings[0]
+        shape = self._shape(values)
+        across = values.get("roof:orientation") == "across"
+        rise = self._read("roof:height", values)
+        if rise is None:
+            roof_levels = self._read("roof:levels", values)
+            angle = self._read("roof:angle", values)
+            rise = roof_levels * LEVEL_M if roof_levels and shape != FLAT else None
+            if rise is None:
+                angle = angle if angle is not None and 0.0 < angle < 85.0 else PITCH_DEG
+                rise = pitched_height_m(ring, shape, across, angle)
+        stated = rise if "roof:height" in values and values["roof:height"] not in (None, "") else None
+        height, levels = self._height(values), self._read("building:levels", values)
+        if height is not None and height > 0.0:
+            counts.with_height += 1
+        elif levels is not None and levels > 0.0:
+            counts.with_levels += 1
+            height = levels * LEVEL_M + (rise if shape != FLAT else 0.0)
+        else:
+            counts.by_default += 1
+            height = self.options.default_height_m
+        bottom = self._read("min_height", values)
+        if bottom is None:
+            bottom = (self._read("building:min_level", values) or 0.0) * LEVEL_M
+        if bottom >= height:
+            counts.lowered_min_heights += 1
+            bottom = 0.0
+        bottom = max(bottom, 0.0)
+        if shape != FLAT and stated is not None and stated > height - bottom:
+            counts.lowered_roofs += 1
+        rise = min(rise, height - bottom) if stated is not None else min(rise, 0.5 * (height - bottom))
+        direction = read_direction_deg(values.get("roof:direction"))
+        roof = Roof(shape, rise, math.nan if direction is None else direction, across)
+        solid, asked = build(one.rings, bottom, height, roof)
+        counts.flat_instead += solid is not None and not asked
+        return solid, bottom
+
+    def _height(self, values: dict[str, Value]) -> float | None:
+        """Height as the first field that has one states it."""
+        for name in self._heights:
+            height = self._read(name, values)
+            if height is not None:
+                return height
+        return None
+
+    def _shape(self, values: dict[str, Value]) -> str:
+        """Shape of the roof; unknown ones are counted and flat, like them the nearest are counted."""
+        value = values.get("roof:shape")
+        text = "" if value is None else str(value).strip().lower()
+        if text in ("", *SHAPES):
+            return text or FLAT
+        self.counts.unknown_roofs[text] += 1
+        return NEAREST.get(text, FLAT)
+
+    def _read(self, name: str, values: dict[str, Value]) -> float | None:
+        """Number of a field, counted where it cannot be read."""
+        value = values.get(name)
+        if value is None or value == "":
+            return None
+        is_count = "level" in name or name == "roof:angle"
+        number = read_number(value) if is_count else read_length_m(value)
+        if number is None:
+            self.counts.add_unread(name, value)
+        return number
+
+
+def lowest_ground_m(surface: Surface, footprints: list[list[Floats]]) -> Floats:
+    """Lowest ground along the boundaries of footprints, rings (n, 2) of longitude and latitude; NaN without ground.
+
+    Heights are bilinear between pixel centres: quadratic along an edge within a cell, so their least value is exact.
+    """
+    rings = [(k, ring) for k, one in enumerate(footprints) for ring in one]
+    starts = np.concatenate([ring for _, ring in rings])
+    ends = np.concatenate([np.roll(ring, -1, axis=0) for _, ring in rings])
+    owner = np.repeat([k for k, _ in rings], [len(ring) for _, ring in rings])
+    a = np.stack(surface.position(starts[:, 1], starts[:, 0]), axis=-1)
+    b = np.stack(surface.position(ends[:, 1], ends[:, 0]), axis=-1)
+    edge, t = [np.arange(len(a)), np.arange(len(a))], [np.zeros(len(a)), np.ones(len(a))]
+    for axis in (0, 1):
+        low, high = np.minimum(a, b)[:, axis], np.maximum(a, b)[:, axis]
+        count = np.maximum(np.floor(high) - np.ceil(low) + 1, 0).astype(np.int64)
+        which = np.repeat(np.arange(len(a)), count)
+        line = np.ceil(low)[which] + np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
+        run = (b - a)[which, axis]
+        edge.append(which)
+        t.append(np.clip((line - a[which, axis]) / np.where(run == 0.0, 1.0, run), 0.0, 1.0))
+    edges, along = np.concatenate(edge), np.concatenate(t)
+    order = np.lexsort((along, edges))
+    edges, along = edges[order], along[order]
+
+    def heights(which: Numbers, at: Floats) -> Floats:
+        place = a[which] + at[:, None] * (b - a)[which]
+        return surface.heights(place[:, 0], place[:, 1])
+
+    ends_m = heights(edges, along)
+    least = np.full(len(footprints), np.inf)
+    np.minimum.at(least, owner[edges], ends_m)
+    same: Flags = edges[1:] == edges[:-1]
+    which, t0, t1, h0, h1 = edges[:-1][same], along[:-1][same], along[1:][same], ends_m[:-1][same], ends_m[1:][same]
+    middle = heights(which, 0.5 * (t0 + t1))
+    curve, slope = 2.0 * (h0 + h1 - 2.0 * middle), 4.0 * middle - 3.0 * h0 - h1
+    s = np.where(curve > 0.0, -slope / np.where(curve > 0.0, 2.0 * curve, 1.0), 0.0)
+    inner = np.where((s > 0.0) & (s < 1.0), h0 + s * (slope + s * curve), h0)
+    np.minimum.at(least, owner[which], inner)
+    return least
+
+
+def _tile_of(lon_deg: float, lat_deg: float) -> tuple[int, int]:
+    """Tile of a place; columns go on beyond the antimeridian."""
+    v = 0.5 - math.asinh(math.tan(math.radians(lat_deg))) / (2.0 * math.pi)
+    return math.floor((lon_deg / 360.0 + 0.5) * 2**_ZOOM), math.floor(v * 2**_ZOOM)
+
+
+def _tile_box(x: int, y: int) -> tuple[float, float, float, float]:
+    """West, south, east and north of a tile, degrees."""
+    north, south = (math.degrees(math.atan(math.sinh(2.0 * math.pi * (0.5 - row / 2**_ZOOM)))) for row in (y, y + 1))
+    west, east = ((column / 2**_ZOOM - 0.5) * 360.0 for column in (x, x + 1))
+    return west, south, east, north
+
+
+def _footprints(features: Any) -> list[_Footprint]:
+    """Polygons of features, those of several parts one by one."""
+    found = []
+    places = np.column_stack([features.lon_deg, features.lat_deg])
+    for row in np.flatnonzero(np.asarray(features.kind) == 0).tolist():
+        for part in range(features.feature_starts[row], features.feature_starts[row + 1]):
+            span = range(features.part_starts[part], features.part_starts[part + 1])
+            rings = [places[features.ring_starts[k] : features.ring_starts[k + 1]] for k in span]
+            origin, lat = rings[0][0], float(rings[0][0, 1])
+            east = math.radians(float(WGS84.normal_radius_m(np.asarray(lat)))) * math.cos(math.radians(lat))
+            per_deg = np.array([east, math.radians(float(WGS84.meridional_radius_m(np.asarray(lat))))])
+            found.append(_Footprint(row, origin, per_deg, [open_ring((ring - origin) * per_deg) for ring in rings]))
+    return found
+
+
+def _inside(points_deg: Floats, one: _Footprint) -> Flags:
+    """Whether points (n, 2), longitude and latitude, lie inside a footprint."""
+    inside = np.zeros(len(points_deg), np.bool_)
+    for ring in one.degrees:
+        after = np.roll(ring, -1, axis=0)
+        for (x0, y0), (x1, y1) in zip(ring.tolist(), after.tolist()):
+            if y0 != y1:
+                spans = (y0 > points_deg[:, 1]) != (y1 > points_deg[:, 1])
+                inside ^= spans & (points_deg[:, 0] < x0 + (points_deg[:, 1] - y0) * (x1 - x0) / (y1 - y0))
+    return inside
+
+
+def _samples(one: _Footprint) -> Floats:
+    """Points (n, 2) inside a footprint, on a regular grid."""
+    low, high = one.degrees[0].min(axis=0), one.degrees[0].max(axis=0)
+    steps = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+    x, y = np.meshgrid(*(low + steps[:, None] * (high - low)).T)
+    grid = np.column_stack([x.ravel(), y.ravel()])
+    return grid[_inside(grid, one)]
+
+
+def _home(part: _Footprint, outlines: list[_Footprint], boxes: Floats) -> int | None:
+    """Outline that has the greatest share of a part, at least half; None without any."""
+    points = _samples(part)
+    low, high = part.degrees[0].min(axis=0), part.degrees[0].max(axis=0)
+    meets = (boxes[:, :2] <= high).all(axis=1) & (boxes[:, 2:] >= low).all(axis=1)
+    shares = [(int(_inside(points, outlines[k]).sum()), -k) for k in np.flatnonzero(meets).tolist()]
+    most, k = max(shares, default=(0, 0))
+    return -k if 2 * most >= len(points) > 0 else None
+
+
+def _covered_share(outline: _Footprint, parts: list[_Footprint]) -> float:
+    """Share of an outline that parts cover."""
+    points = _samples(outline)
+    covered = np.zeros(len(points), np.bool_)
+    for part in parts:
+        covered |= _inside(points, part)
+    return float(covered.mean()) if len(points) else 0.0

@@ -1,0 +1,122 @@
+"""Buildings on the ground, from a layer made here."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from terrainav.core.faces.buildings import BuildingOptions, Buildings, lowest_ground_m
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.raytracing.surface import Surface
+from terrainav.core.geodesy.triangles import ROOF, WALL
+
+LON, LAT = 10.0, 47.0
+M = 1 / 111_200.0
+
+
+class Ground:
+    """A steep rough slope, on pixels of about 3 m."""
+
+    title, attribution = "slope", ""
+    grid = PixelGrid(max_zoom=16, native_zoom=16)
+
+    def surface(self, lat_deg, lon_deg, cell_m=0.0):
+        probe = Surface(self.grid, 16, 0, 0, np.zeros((2, 2)))
+        x, y = probe.position(np.asarray(lat_deg), np.asarray(lon_deg))
+        left, top = int(x.min()) - 3, int(y.min()) - 3
+        columns, rows = np.meshgrid(np.arange(left, x.max() + 4), np.arange(top, y.max() + 4))
+        heights = 500 + 2.0 * (columns - left) + 1.5 * (rows - top) + 3 * np.sin(columns) * np.cos(2 * rows)
+        return Surface(self.grid, 16, left, top, heights)
+
+
+class Layer:
+    """Rectangles in metres east and north, and their values."""
+
+    title, attribution = "made", ""
+
+    def __init__(self, boxes, **values):
+        self.boxes, self.values = boxes, values
+        self.fields = tuple(values)
+
+    def features(self, west, south, east, north, fields=(), least_m=0.0):
+        found = []
+        for k, (x0, y0, x1, y1) in enumerate(self.boxes):
+            ring = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]]) * M + [LON, LAT]
+            (w, s), (e, n) = ring.min(axis=0), ring.max(axis=0)
+            if e >= west and w <= east and n >= south and s <= north:
+                found.append((k, ring))
+        count = len(found)
+        places = np.concatenate([ring for _, ring in found]) if found else np.empty((0, 2))
+        return SimpleNamespace(
+            number=np.array([k + 1 for k, _ in found], np.int64),
+            kind=np.zeros(count, np.uint8),
+            lon_deg=places[:, 0],
+            lat_deg=places[:, 1],
+            ring_starts=5 * np.arange(count + 1),
+            part_starts=np.arange(count + 1),
+            feature_starts=np.arange(count + 1),
+            values={name: tuple(self.values[name][k] for k, _ in found) for name in fields},
+        )
+
+
+def read(layer, options=None):
+    model = Buildings(layer, Ground(), options)
+    return model, model.triangles(np.array([LAT - 0.01, LAT + 0.01]), np.array([LON - 0.01, LON + 0.01]))
+
+
+def test_lowest_ground_is_that_of_dense_samples():
+    ring = np.array([[0, 0], [40, 5], [30, 30], [-5, 20]]) * M + [LON, LAT]
+    surface = Ground().surface(ring[:, 1], ring[:, 0])
+    t = np.linspace(0, 1, 20001)[:, None, None]
+    dense = (ring + t * (np.roll(ring, -1, axis=0) - ring)).reshape(-1, 2)
+    sampled = surface.heights(*surface.position(dense[:, 1], dense[:, 0])).min()
+    least = lowest_ground_m(surface, [[ring]])[0]
+    assert sampled - 1e-4 <= least <= sampled + 1e-9
+
+
+def test_heights_levels_default_and_unread_values():
+    layer = Layer(
+        [(0, 0, 10, 10), (20, 0, 30, 10), (40, 0, 50, 10), (60, 0, 70, 10)],
+        **{
+            "height": ("22 m", None, "tall", None),
+            "building:levels": (None, "4", None, None),
+            "roof:shape": (None, None, "9.0", None),
+        },
+    )
+    model, triangles = read(layer, BuildingOptions(default_height_m=7.0))
+    counts = model.counts
+    assert (counts.with_height, counts.with_levels, counts.by_default) == (1, 1, 2)
+    assert dict(counts.unread) == {"height": 1}
+    assert counts.examples == {"height": ["tall"]}
+    assert dict(counts.unknown_roofs) == {"9.0": 1}
+    assert model.highest_m == 22.0
+    assert set(triangles.instance.tolist()) == {1, 2, 3, 4}
+    # A flat roof and four walls, without the underside.
+    assert len(triangles) == 4 * (2 + 8)
+    assert (triangles.shows_imagery == (triangles.kind == ROOF)).all()
+    model.triangles(np.array([LAT]), np.array([LON]))
+    assert model.counts.with_height == 1
+
+
+def test_parts_replace_their_outline():
+    layer = Layer(
+        [(0, 0, 20, 10), (0, 0, 10, 10), (10, 0, 20, 10), (40, 0, 60, 10), (40, 0, 50, 10)],
+        **{"height": (5, 10, 15, 5, 9), "building:part": (None, "yes", "yes", None, "yes")},
+    )
+    model, triangles = read(layer)
+    assert model.counts.replaced == 1
+    assert np.bincount(triangles.instance).tolist() == [0, 20, 0, 0, 20]
+
+
+@pytest.mark.parametrize("size_m", [10, 35])
+def test_no_gap_between_walls_and_the_slope(size_m):
+    _, triangles = read(Layer([(0, 0, size_m, size_m)], height=(9,)))
+    walls = triangles.corners_m[triangles.kind == WALL].reshape(-1, 3)
+    ring = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size_m * M + [LON, LAT]
+    surface = Ground().surface(ring[:, 1], ring[:, 0])
+    up = np.array([np.cos(np.radians(LAT)) * np.cos(np.radians(LON)),
+                   np.cos(np.radians(LAT)) * np.sin(np.radians(LON)), np.sin(np.radians(LAT))])  # fmt: skip
+    span = np.ptp(walls @ up)
+    assert span == pytest.approx(9 + 2, abs=0.01)
+    assert lowest_ground_m(surface, [[ring]])[0] <= surface.heights(*surface.position(ring[:, 1], ring[:, 0])).min()
