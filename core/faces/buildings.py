@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter, OrderedDict
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from ..geodesy.local import geocentric
 from ..geodesy.raytracing.surface import Surface
 from ..geodesy.raytracing.tracing import ElevationModel
 from ..geodesy.triangles import FLOOR, ROOF, Triangles
+from ..vectors.features import Features
+from ..vectors.layer import VectorLayer, open_layer, parse_layer
 from .heights import LEVEL_M, Value, read_colour, read_direction_deg, read_length_m, read_number
 from .roofs import FLAT, NEAREST, PITCH_DEG, SHAPES, Roof, Solid, build, pitched_height_m
 from .triangulation import open_ring
@@ -39,27 +41,6 @@ _FIELDS = (
 #: Plaster, brick, concrete, wood and stone.
 _WALLS = ((222, 211, 190), (203, 186, 160), (164, 104, 84), (150, 148, 143), (142, 112, 82), (190, 182, 170))
 _ROOFS = ((128, 124, 120), (150, 84, 66), (104, 102, 104))
-
-
-class FootprintLayer(Protocol):
-    """What is read of a vector layer."""
-
-    @property
-    def title(self) -> str:
-        """Name for users."""
-
-    @property
-    def attribution(self) -> str:
-        """Credit for the footprints."""
-
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """Names of fields."""
-
-    def features(
-        self, west_deg: float, south_deg: float, east_deg: float, north_deg: float, fields: tuple[str, ...] = ()
-    ) -> Any:
-        """Features whose bounding boxes meet a box."""
 
 
 @dataclass(frozen=True)
@@ -129,19 +110,19 @@ class _Tile(NamedTuple):
     owners: frozenset[tuple[int, int]]
 
 
-class Buildings:
+class FootprintBuildings:
     """Solids over the footprints of a layer (a `FaceModel`), read by tiles.
 
     A building belongs to the tile of its first vertex, and a part to that of its outline.
 
     Parameters
     ----------
-    layer : FootprintLayer
+    layer : VectorLayer
     ground : ElevationModel
     options : BuildingOptions
     """
 
-    def __init__(self, layer: FootprintLayer, ground: ElevationModel, options: BuildingOptions | None = None) -> None:
+    def __init__(self, layer: VectorLayer, ground: ElevationModel, options: BuildingOptions | None = None) -> None:
         self.options = options or BuildingOptions()
         self.title, self.attribution = layer.title, layer.attribution
         self.counts = BuildingCounts()
@@ -203,7 +184,7 @@ class Buildings:
         return self._placed(features, chosen, owners)
 
     def _without_replaced(
-        self, features: Any, near: list[_Footprint], key: tuple[int, int]
+        self, features: Features, near: list[_Footprint], key: tuple[int, int]
     ) -> list[tuple[_Footprint, int]]:
         """Footprints of a tile with their instances: parts have their outline's, and replace it where they cover it."""
         is_part = features.values.get("building:part", (None,) * len(features.number))
@@ -229,7 +210,9 @@ class Buildings:
             found += [(part, number) for part in its]
         return found
 
-    def _placed(self, features: Any, chosen: list[tuple[_Footprint, int]], owners: frozenset[tuple[int, int]]) -> _Tile:
+    def _placed(
+        self, features: Features, chosen: list[tuple[_Footprint, int]], owners: frozenset[tuple[int, int]]
+    ) -> _Tile:
         """Solids of footprints on the ground, as triangles."""
         if not chosen:
             return _Tile(Triangles.joined([]), np.empty((0, 4)), np.empty(0), owners)
@@ -341,6 +324,18 @@ class Buildings:
         return number
 
 
+def open_buildings(text: str, ground: ElevationModel, options: BuildingOptions | None = None) -> FootprintBuildings:
+    """Buildings of ``FILE[:LAYER]`` on the ground.
+
+    Raises
+    ------
+    InvalidInput
+        The file or layer cannot be opened.
+    """
+    name = parse_layer(text)
+    return FootprintBuildings(open_layer(name.path, name.layer), ground, options)
+
+
 def lowest_ground_m(surface: Surface, footprints: list[list[Floats]]) -> Floats:
     """Lowest ground along the boundaries of footprints, rings (n, 2) of longitude and latitude; NaN without ground.
 
@@ -395,7 +390,7 @@ def _tile_box(x: int, y: int) -> tuple[float, float, float, float]:
     return west, south, east, north
 
 
-def _footprints(features: Any) -> list[_Footprint]:
+def _footprints(features: Features) -> list[_Footprint]:
     """Polygons of features, those of several parts one by one."""
     found = []
     places = np.column_stack([features.lon_deg, features.lat_deg])

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from terrainav.core.faces.buildings import BuildingOptions, Buildings, lowest_ground_m
+from terrainav.core.faces.buildings import BuildingOptions, FootprintBuildings, lowest_ground_m
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.geodesy.triangles import ROOF, WALL
+from terrainav.core.vectors.layer import open_layer
 
 LON, LAT = 10.0, 47.0
 M = 1 / 111_200.0
@@ -61,7 +64,7 @@ class Layer:
 
 
 def read(layer, options=None):
-    model = Buildings(layer, Ground(), options)
+    model = FootprintBuildings(layer, Ground(), options)
     return model, model.triangles(np.array([LAT - 0.01, LAT + 0.01]), np.array([LON - 0.01, LON + 0.01]))
 
 
@@ -120,3 +123,17 @@ def test_no_gap_between_walls_and_the_slope(size_m):
     span = np.ptp(walls @ up)
     assert span == pytest.approx(9 + 2, abs=0.01)
     assert lowest_ground_m(surface, [[ring]])[0] <= surface.heights(*surface.position(ring[:, 1], ring[:, 0])).min()
+
+
+@pytest.mark.real_data
+def test_footprints_of_washington(tmp_path):
+    path = Path(__file__).resolve().parents[4] / "shared" / "data" / "elevation" / "buildings.geojson"
+    if not path.exists():
+        pytest.skip(f"{path} is missing")
+    layer = open_layer(str(path), index_dir=tmp_path)
+    model = FootprintBuildings(layer, Ground())
+    triangles = model.triangles(np.array([38.80, 38.82]), np.array([-77.06, -77.04]))
+    heights = [one["properties"]["HEIGHT"] for one in json.loads(path.read_text())["features"]]
+    stated = sum(1 for height in heights if height and height > 0)
+    assert (model.counts.with_height, model.counts.by_default) == (stated, 84 - stated)
+    assert len(set(triangles.instance.tolist())) == 84
