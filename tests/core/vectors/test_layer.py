@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import pickle
+import struct
+import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
+from terrainav.core.vectors import index, reading
 from terrainav.core.vectors import layer as layers
-from terrainav.core.vectors import reading
 from terrainav.core.vectors.features import LINE, POINT, POLYGON
 from terrainav.core.vectors.layer import open_layer, parse_layer
+from terrainav.core.vectors.shaping import Reference
 
 SQUARE = [[7.0, 46.0], [7.0, 46.001], [7.001, 46.001], [7.001, 46.0], [7.0, 46.0]]
 HOLE = [[7.0002, 46.0002], [7.0004, 46.0002], [7.0004, 46.0004], [7.0002, 46.0004], [7.0002, 46.0002]]
@@ -179,3 +183,63 @@ def test_a_layer_without_reference_system_is_refused(tmp_path):
     path = geopackage(tmp_path / "a.gpkg", ["POINT (3 4)"], 0)
     with pytest.raises(InvalidInput, match="reference system"):
         open_layer(path, index_dir=tmp_path)
+
+
+OSM = """<osm version="0.6">
+<node id="1" version="1" lat="46.0" lon="7.0"/><node id="2" version="1" lat="46.0" lon="7.001"/>
+<node id="3" version="1" lat="46.001" lon="7.001"/><node id="4" version="1" lat="46.001" lon="7.0"/>
+<way id="5" version="1"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+<tag k="building:part" v="yes"/><tag k="min_height" v="3 m"/><tag k="roof:shape" v="gabled"/></way>
+<way id="6" version="1"><nd ref="1"/><nd ref="3"/><tag k="highway" v="path"/></way>
+</osm>"""
+
+
+@pytest.mark.parametrize("module", ["osgeo", "pyogrio"])
+def test_parts_of_buildings_are_areas_with_their_heights(tmp_path, monkeypatch, module):
+    pytest.importorskip(module)
+    monkeypatch.setattr(reading, "backend", lambda: module)
+    monkeypatch.setattr(layers, "backend", lambda: module)
+    path = tmp_path / "a.osm"
+    path.write_text(OSM, encoding="utf-8")
+    layer = open_layer(str(path), index_dir=tmp_path / "index")
+    names = ("building:part", "min_height", "roof:shape", "height")
+    found = layer.features(*EVERYWHERE, names)
+    assert layer.attribution == "© OpenStreetMap contributors"
+    assert found.kind.tolist() == [POLYGON]
+    assert found.values == dict(zip(names, [("yes",), ("3 m",), ("gabled",), (None,)]))
+    assert open_layer(str(path), "lines", index_dir=tmp_path / "index").features(*EVERYWHERE).kind.tolist() == [LINE]
+
+
+def peak_bytes(path, count):
+    """Most memory that indexing a number of points takes."""
+    records = ((struct.pack("<BIdd", 1, 1, place % 180, 0.0), False, ("a" * 100,)) for place in range(count))
+    tracemalloc.start()
+    try:
+        index.write_index(path, records, Reference("EPSG:4326"), {})
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_memory_does_not_grow_with_the_number_of_features(tmp_path, monkeypatch):
+    monkeypatch.setattr(index, "_BATCH", 500)
+    peak_bytes(tmp_path / "first.sqlite", 10)
+    few, many = peak_bytes(tmp_path / "few.sqlite", 1_000), peak_bytes(tmp_path / "many.sqlite", 10_000)
+    assert many < 1.2 * few
+
+
+HELSINKI = Path(__file__).resolve().parents[4] / "shared" / "data" / "osm" / "helsinki.osm.pbf"
+
+
+@pytest.mark.real_data
+@pytest.mark.skipif(not HELSINKI.is_file(), reason="the extracts of ../shared/data/osm are not there")
+def test_two_readers_give_the_same_of_openstreetmap(tmp_path, monkeypatch):
+    pytest.importorskip("osgeo.ogr")
+    pytest.importorskip("pyogrio")
+    found = []
+    for module in ("osgeo", "pyogrio"):
+        monkeypatch.setattr(reading, "backend", lambda module=module: module)
+        layer = open_layer(str(HELSINKI), index_dir=tmp_path / module)
+        found.append((layer.count, layer.repaired, layer.dropped, layer.fields, layer.values("roof:shape")))
+        assert layer.features(*EVERYWHERE).number.size == layer.count - layer.dropped
+    assert found[0] == found[1]
