@@ -10,6 +10,7 @@ In reading order:
 - `begun`: the settings that a capture was begun with
 - `images`: the journal of a capture image by image
 - `journal`: the file with a line for each image
+- `labels`: opened labels, and their tables
 - `making`: make images with threads
 - `uses`: the last image that may need a part
 - `pipeline`: fetch, assemble and write at the same time

@@ -17,6 +17,7 @@ from ..errors import InvalidInput, PartError
 from ..imagery.opening import NamedSource
 from ..imagery.placeholder import Provided, Repeats, corner
 from ..imagery.source import Part, Source, Window
+from ..labels.label_map import LabelMap
 from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
 from ..mission.plan import Plan
 from ..picture.camera_frame import parts_of_tiles
@@ -199,6 +200,8 @@ class ImageMaker:
         Exposures to write into the images' tags.
     write : callable
         Writes a file.
+    labels : LabelMap or None
+        Labels for the products classes and instances.
     """
 
     parts: ImageParts
@@ -207,6 +210,7 @@ class ImageMaker:
     workers: int
     exposures: Exposures | None = None
     write: Write = write_whole
+    labels: LabelMap | None = None
     map_type: str = ""
     requests: int = 0
     unique_parts: int = 0
@@ -279,6 +283,7 @@ class ImageMaker:
                 exposures=self.exposures,
                 products_in=products_in,
                 write=self.write,
+                labels=self.labels,
             )
             yield job, self.parts.find(index) if plan.relief.is_level else partial(self._trace, job)
 

@@ -18,8 +18,9 @@ from ..errors import Message, PartError
 from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
+from ..labels.label_map import LabelMap
 from ..mission.export.rows import clock
-from ..mission.parts import INTERPOLATE
+from ..mission.parts import CLASSES, INTERPOLATE, LABELLED
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures, plan_optics
@@ -29,7 +30,7 @@ from .georeference import ControlPoints, Georeference
 from .journal import FAILED, Outcome
 from .metadata import Description, degrees, figure
 from .odm import write_odm_files
-from .writers import Place, Write, write_picture
+from .writers import Place, Write, label_format, write_labels, write_picture
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,8 @@ class PictureJob:
         Colours of walls, in the form that `draw` takes.
     write : callable
         Writes a file.
+    labels : LabelMap or None
+        Labels for the products classes and instances.
     """
 
     index: int
@@ -72,6 +75,7 @@ class PictureJob:
     products: tuple[Plan, Path] | None = None
     walls: Walls | None = None
     write: Write = write_whole
+    labels: LabelMap | None = None
 
     def failed(self, error: PartError) -> Outcome:
         """Outcome of an image that could not be made."""
@@ -97,7 +101,13 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         from ..picture.products import BANDS, products
 
         plan, folder = job.products
-        for name, values in products(plan, job.index, (picture.shape[1], picture.shape[0]), job.shot):
+        size_px = (picture.shape[1], picture.shape[0])
+        for name, values in products(plan, job.index, size_px, job.shot, job.labels):
+            if name in LABELLED and job.labels is not None:
+                colours = job.labels.classes.colours if name == CLASSES else None
+                ending = label_format(job.image_format, values.dtype)
+                write_labels(folder / name, ending, values, job.place, description, colours, job.write)
+                continue
             limits = [_value_range(values[..., band]) for band in range(len(BANDS[name]))]
             write_picture(folder / name, "tif", values, job.place, description, BANDS[name], limits, job.write)
     if job.bands == RGB:
@@ -152,6 +162,7 @@ def image_job(
     exposures: Exposures | None = None,
     products_in: Path | None = None,
     write: Write = write_whole,
+    labels: LabelMap | None = None,
 ) -> PictureJob:
     """Return the job of a capture; ``exposures`` add EXIF and XMP as drones write them."""
     mission = plan.mission
@@ -192,6 +203,7 @@ def image_job(
         None if products_in is None else (plan, products_in),
         wall_colours(plan, source, map_type),
         write,
+        labels,
     )
 
 

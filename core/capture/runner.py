@@ -22,6 +22,7 @@ from ..storage.stores import is_address, store_path
 from ..waiting import cancellable
 from .images import CaptureJournal, ImageJournal
 from .journal import FAILED, Outcome
+from .labels import open_labels, write_label_tables
 from .making import DEFAULT_CONNECTIONS, ImageMaker, ImageParts, Maker, Piece, check_source
 from .progress import SILENT, CaptureResult, Failure, Listener, Progress, Repeat, Reporter
 from .records import plan_exposures, write_tables
@@ -95,6 +96,7 @@ def capture(
     root = store_path(folder)
     # Before time counts, by which the rest is estimated.
     load_code(plan)
+    labels = open_labels(plan.mission)
     reporter = Reporter(listener)
     with ExitStack() as opened:
         # Before images are made, waiting for an object store can be cancelled at once.
@@ -142,9 +144,12 @@ def capture(
                     workers or os.cpu_count() or 1,
                     plan_exposures(plan),
                     journal.write,
+                    labels,
                 )
             run = CaptureRun(journal, maker, reporter, only_failed=only_failed)
             run.prepare()
+            if labels is not None:
+                write_label_tables(labels, root, plan.mission.output.image_format)
         complete = run.make()
     return run.result(cancelled=not complete)
 

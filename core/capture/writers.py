@@ -94,6 +94,57 @@ def write_picture(
     return sum(map(len, contents))
 
 
+def label_format(image_format: str, values: np.dtype[Any]) -> str:
+    """Format of label files: that of images if it is lossless and holds the type of the values, else PNG or TIFF."""
+    return "tif" if image_format == "tif" or values.itemsize > 2 else "png"
+
+
+def write_labels(
+    folder: Path,
+    image_format: str,
+    labels: NDArray[Any],
+    place: Place,
+    description: Description,
+    colours: NDArray[np.uint8] | None = None,
+    write: Write = write_whole,
+) -> None:
+    """Write an image of labels (h, w), of uint8, uint16 or uint32, after its sidecar files.
+
+    Parameters
+    ----------
+    image_format : str
+        From `label_format`.
+    colours : array (256, 3) or None
+        Colour table of labels of 8 bits; None for grey.
+
+    Raises
+    ------
+    OutputError
+    """
+    is_tif = image_format == "tif"
+    if is_tif:
+        contents = [_label_tiff(labels, place, description, colours)]
+    else:
+        contents = [png(labels, description, colours)]
+        contents.insert(0, place.aux_xml(description.metadata()).encode("utf-8"))
+        if isinstance(place, Georeference):
+            contents.insert(0, place.world_file().encode("ascii"))
+    for ending, data in zip(file_endings(image_format, on_map=isinstance(place, Georeference)), contents):
+        write(folder / (description.name + ending), data)
+
+
+def _label_tiff(
+    labels: NDArray[Any], place: Place, description: Description, colours: NDArray[np.uint8] | None
+) -> bytes:
+    tags = [Tag(42112, TagType.ASCII, gdal_metadata(_description_items(description)))]
+    if colours is None:
+        tags.append(Tag(262, TagType.SHORT, [1]))  # black is zero
+    else:
+        tags.append(Tag(262, TagType.SHORT, [3]))  # colour table: all red values, then green and blue, of 16 bits
+        tags.append(Tag(320, TagType.SHORT, (colours.T.astype(np.int64) * 257).ravel().tolist()))
+    return _pixel_file(labels, place, description, tags)
+
+
 def encoded(
     image_format: str,
     pixels: PixelValues,
@@ -261,14 +312,17 @@ def _interpretations(bands: Bands, *, has_alpha: bool) -> dict[int, str]:
     return found
 
 
-def png(pixels: PixelValues, description: Description) -> bytes:
-    """Return a PNG with title, software, copyright and metadata as text chunks."""
+def png(pixels: PixelValues, description: Description, colours: NDArray[np.uint8] | None = None) -> bytes:
+    """Return a PNG with title, software, copyright and metadata as text chunks; ``colours`` (256, 3) are a palette."""
     info = PngImagePlugin.PngInfo()
     texts = {"Title": description.title, "Software": SOFTWARE, "Copyright": description.attribution}
     for key, value in {**texts, **description.metadata()}.items():
         info.add_text(key, value)
     buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, "PNG", pnginfo=info, compress_level=_ZLIB_LEVEL, compress_type=_ZLIB_STRATEGY)
+    image = Image.fromarray(pixels)
+    if colours is not None:
+        image.putpalette(colours.tobytes())
+    image.save(buffer, "PNG", pnginfo=info, compress_level=_ZLIB_LEVEL, compress_type=_ZLIB_STRATEGY)
     return buffer.getvalue()
 
 

@@ -18,6 +18,8 @@ JOURNAL_FILE = "journal.jsonl"
 PLAN_FILE = "plan.csv"
 FOOTPRINTS_FILE = "footprints.geojson"
 TABLE_FILE = "meta_data.csv"
+#: Tables of labels: ids, names and colours of classes; class, layer and feature of each instance.
+CLASSES_FILE, INSTANCES_FILE = "classes.json", "instances.csv"
 #: Folder beside the images of a map type, with the images that cleaning has moved away.
 REJECTED_FOLDER = "rejected"
 #: The map type whose entropies decide on all images of a place.

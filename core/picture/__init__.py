@@ -10,7 +10,8 @@ In reading order:
 - `taps`: bilinear values, compiled
 - `perspective`: perspective transforms, compiled
 - `heights`: opens the heights of a mission
-- `products`: depth, ground points, normals and faces of every pixel
+- `labels`: opens the labels of a mission
+- `products`: depth, ground points, normals, faces, classes and instances of every pixel
 - `optics`: the camera of a picture: focal length, principal point, time
 - `cost`: processor time of pictures on this machine
 """

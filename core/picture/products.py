@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,11 @@ from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.ellipsoid import WGS84, sight_lines
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.raytracing.tracing import Sighting, power_of_two, relief_normals
+from ..geodesy.triangles import RELIEF
 from ..geodesy.view import ImageRays
+from ..labels.label_map import GroundBox, LabelMap
+from ..labels.pieces import DegreePlane
+from ..mission.parts import CLASSES, INSTANCES
 from ..mission.plan import Plan
 from .map_frame import turned
 from .shot import MapShot, Shot
@@ -25,10 +30,15 @@ BANDS = {
     "normals": Bands(("east", "north", "up"), "float32", (0,)),
     "facades": Bands(("face",), "uint8", (0,)),
 }
+_DEGREES = DegreePlane()
 
 
 def products(
-    plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None
+    plan: Plan,
+    index: int,
+    size_px: tuple[int, int],
+    shot: MapShot | Shot | None = None,
+    labels: LabelMap | None = None,
 ) -> Iterator[tuple[str, NDArray[np.generic]]]:
     """Compute the products that a mission asks for, for one capture's picture as written.
 
@@ -38,18 +48,27 @@ def products(
         Width and height of the picture.
     shot : MapShot, Shot or None
         Shot of the picture, whose traced rays are reused.
+    labels : LabelMap or None
+        Labels for the products classes and instances.
 
     Yields
     ------
     name, array (height, width, bands or one more) of the type in `BANDS`
-        An extra channel is 0 where the picture shows no ground.
+        An extra channel is 0 where the picture shows no ground. Classes and instances are arrays (height, width).
     """
     wanted = plan.mission.products
-    if not wanted:
+    measured = [name for name in wanted if name in BANDS]
+    exact = None
+    if measured or not (plan.relief.is_level or plan.frames.on_map):
+        exact = _sighting(plan, index, size_px, shot)
+    if labels is not None:
+        drawn = dict(zip((CLASSES, INSTANCES), _labels(labels, plan, index, size_px, shot, exact)))
+        yield from ((name, drawn[name]) for name in wanted if name in drawn)
+    if not measured or exact is None:
         return
-    seen = sighting(plan, index, size_px, shot)
+    seen = _settled(plan, index, size_px, exact)
     has_ground = np.isfinite(seen.depth_m)
-    for name in wanted:
+    for name in measured:
         if name == "facades":
             yield name, (seen.steep * np.uint8(255))[..., np.newaxis]
             continue
@@ -63,6 +82,47 @@ def products(
         yield name, np.dstack([values, has_ground]).astype(BANDS[name].dtype)
 
 
+def _labels(
+    labels: LabelMap,
+    plan: Plan,
+    index: int,
+    size_px: tuple[int, int],
+    shot: MapShot | Shot | None,
+    seen: Sighting | None,
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Classes and instances (h, w): of a map frame in its plane, of a camera frame in longitude and latitude."""
+    if plan.frames.on_map:
+        turns = int(plan.frames.quarter_turns[index])
+        u, v = (turned(at, turns) for at in _map_positions(plan, index, size_px))
+        # Places on a grid of the frame, whose edges may be curved in degrees.
+        some = (np.unique(np.linspace(0, length - 1, 33).astype(np.int64)) for length in u.shape)
+        at = np.ix_(*some)
+        lat, lon = plan.grid.plane.inverse(u[at], v[at])
+        return labels.draw(plan.grid.plane, u, v, _widened(GroundBox.around(lat, lon)))
+    if seen is None:
+        lat, dlon = _level_ground(plan, index, size_px)
+        lon = float(plan.lon_deg[index]) + dlon
+    else:
+        lat, lon = seen.lat_deg, seen.lon_deg
+    hidden = shot.view.hidden if isinstance(shot, Shot) else None
+    if hidden is not None:
+        rows, columns = ((np.arange(to) * 2 + 1) * of // (2 * to) for to, of in zip(lat.shape, hidden.shape))
+        lat = np.where(hidden[np.ix_(rows, columns)], np.nan, lat)
+    drawn = labels.draw(_DEGREES, lon, lat, GroundBox.around(lat, lon))
+    if labels.with_buildings and seen is not None:
+        kind = np.where(np.isfinite(lat), seen.kind, RELIEF)
+        labels.add_buildings(drawn, kind, seen.instance)
+    return drawn
+
+
+def _widened(box: GroundBox | None) -> GroundBox | None:
+    """Box with a tenth more on each side."""
+    if box is None:
+        return None
+    across, up = (box.east - box.west) / 10.0, (box.north - box.south) / 10.0
+    return GroundBox(box.west - across, box.south - up, box.east + across, box.north + up)
+
+
 def sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None) -> Sighting:
     """Ground points of the pixels of a capture's picture, rounded to significant digits.
 
@@ -71,13 +131,20 @@ def sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | S
     shot : MapShot, Shot or None
         Shot of the picture, whose traced rays are reused.
     """
+    return _settled(plan, index, size_px, _sighting(plan, index, size_px, shot))
+
+
+def _sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None) -> Sighting:
+    """Ground points of the pixels of a capture's picture."""
     traced = shot.sighting if isinstance(shot, Shot) and size_px == plan.views.size_px(index) else None
     if traced is not None:
-        seen = traced
-    elif not plan.relief.is_level:
-        seen = plan.views.tracing(index, size_px).sighting
-    else:
-        seen = _level_sighting(plan, index, size_px)
+        return traced
+    if not plan.relief.is_level:
+        return plan.views.tracing(index, size_px).sighting
+    return _level_sighting(plan, index, size_px)
+
+
+def _settled(plan: Plan, index: int, size_px: tuple[int, int], seen: Sighting) -> Sighting:
     pixel_m = plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px))
     # Round to 1/8192 of a pixel on the ground; further digits are noise.
     metre = power_of_two(pixel_m * 2.0**-13)
@@ -95,24 +162,37 @@ def _rounded(values: Floats, step: float) -> Floats:
     return found
 
 
+def _map_positions(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Floats, ...]:
+    """World fractions u and v (h, w) of the centres of a map frame's pixels, before it is turned."""
+    (width, height), turns = size_px, int(plan.frames.quarter_turns[index])
+    left, top, wide, high = (float(values[index]) for values in plan.windows)
+    world = plan.grid.world_px(plan.zoom)
+    columns, rows = (width, height) if turns % 2 == 0 else (height, width)
+    u = (left + (np.arange(columns) + 0.5) * wide / columns) / world
+    v = (top + (np.arange(rows) + 0.5) * high / rows) / world
+    return tuple(np.meshgrid(u, v))
+
+
+def _level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Floats, Floats]:
+    """Latitudes (h, w) of level ground seen by the pixels of a camera frame, and longitudes from the camera's."""
+    (width, height), pose = size_px, plan.poses.take(np.array([index]))
+    rays = ImageRays.from_scene(ImageGeometry(plan.mission.camera, width, height, pose, plan.ground))
+    seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
+    return seen.lat_deg, seen.dlon_deg
+
+
 def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
     """Points of level ground seen by the pixels of a picture."""
     pose = plan.poses.take(np.array([index]))
-    camera, (width, height) = plan.mission.camera, size_px
     lat, lon, agl = (float(values[0]) for values in pose[:3])
     if plan.frames.on_map:
-        left, top, wide, high = (float(values[index]) for values in plan.windows)
-        world, turns = plan.grid.world_px(plan.zoom), int(plan.frames.quarter_turns[index])
-        columns, rows = (width, height) if turns % 2 == 0 else (height, width)
-        u = (left + (np.arange(columns) + 0.5) * wide / columns) / world
-        v = (top + (np.arange(rows) + 0.5) * high / rows) / world
-        ground_lat, ground_lon = (turned(at, turns) for at in plan.grid.plane.inverse(*np.meshgrid(u, v)))
+        turns = int(plan.frames.quarter_turns[index])
+        places = plan.grid.plane.inverse(*_map_positions(plan, index, size_px))
+        ground_lat, ground_lon = (turned(at, turns) for at in places)
         dlon, axis = wrap_lon_deg(ground_lon - lon), np.array([0.0, 0.0, -1.0])
     else:
-        rays = ImageRays.from_scene(ImageGeometry(camera, width, height, pose, plan.ground))
-        seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
-        ground_lat, dlon = seen.lat_deg, seen.dlon_deg
-        axis = camera.rays_enu(((0.0, 0.0),), *(angle[0] for angle in pose.attitude))[0]
+        ground_lat, dlon = _level_ground(plan, index, size_px)
+        axis = plan.mission.camera.rays_enu(((0.0, 0.0),), *(angle[0] for angle in pose.attitude))[0]
     with np.errstate(invalid="ignore"):
         depth = sight_lines(np.array(lat), np.array(agl), ground_lat, dlon, plan.ground) @ axis
     height_m = np.where(np.isnan(depth), np.nan, plan.level_m)

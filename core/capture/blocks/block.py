@@ -24,7 +24,7 @@ from ...imagery.opening import NamedSource, SourceOptions
 from ...imagery.placeholder import Repeats, noted_digests
 from ...imagery.source import Source
 from ...limits import MAX_RELIEF_BYTES
-from ...mission.parts import Terrain
+from ...mission.parts import PixelLabels, Terrain
 from ...mission.plan import Plan
 from ...picture.camera_frame import load_code
 from ...picture.heights import landscape_crs, terrain_heights
@@ -35,6 +35,7 @@ from ...storage.stores import store_path
 from ...text.safe_json import parse_json
 from ..choices import BLOCKS_FOLDER, FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
+from ..labels import open_labels
 from ..making import ImageMaker, ImageParts, Piece
 from ..records import image_table
 from .shards import Gathered
@@ -61,6 +62,8 @@ class Block:
         Absolute path or address of a folder.
     terrain : Terrain
         Terrain of the mission, with absolute paths.
+    labels : PixelLabels
+        Labels of the mission, with absolute paths.
     layout : str
         One of `choices.LAYOUTS`.
     exposures : Exposures or None
@@ -78,6 +81,7 @@ class Block:
     source: NamedSource
     destination: str
     terrain: Terrain
+    labels: PixelLabels
     layout: str = FOLDERS
     exposures: Exposures | None = None
     connections: int = 1
@@ -305,6 +309,7 @@ def make_block(block: Block) -> BlockResult:
             block.workers,
             block.exposures,
             write_checked if gathered is None else gathered.write,
+            open_labels(plan.mission, block.labels),
         )
         orders = _BlockOrders(block, plan, control)
         complete = maker.make([Piece(block.map_type, np.arange(len(plan)))], orders)

@@ -19,6 +19,7 @@ from ...picture.heights import absolute_terrain
 from ...resources import version
 from ...storage.stores import is_address
 from ..choices import FOLDERS, IMAGES
+from ..labels import absolute_labels
 from ..making import ImageParts, Orders, Piece, check_source
 from ..records import plan_exposures
 from .block import (
@@ -130,6 +131,7 @@ class BlockMaker:
         self._control = Control(check=journal.check)
         # Workers may have other current folders.
         self._terrain = absolute_terrain(parts.plan.mission.terrain)
+        self._labels = absolute_labels(parts.plan.mission.labels)
         root = journal.root
         self._destination = str(root) if is_address(root) else str(root.absolute())
         self._exposures = plan_exposures(parts.plan)
@@ -235,6 +237,7 @@ class BlockMaker:
             self._source.asked(options),
             self._destination,
             self._terrain,
+            self._labels,
             self._blocks.layout,
             None if self._exposures is None else self._exposures.take(piece.indices),
             connections,

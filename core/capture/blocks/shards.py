@@ -92,7 +92,9 @@ class Gathered:
         """Other files of an image: its sidecar files and products."""
         endings = (".jgw", ".pgw", f"{file_name[len(name) :]}.aux.xml")
         wanted = [(map_type, name + ending) for ending in endings]
-        wanted += [(product, f"{name}.tif") for product in products]
+        # Labels are TIFF or PNG, the latter with sidecar files.
+        of_labels = (".tif", ".png", ".pgw", ".png.aux.xml")
+        wanted += [(product, name + ending) for product in products for ending in of_labels]
         return [(one, self._files[one]) for one in wanted if one in self._files]
 
 
