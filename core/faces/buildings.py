@@ -35,7 +35,7 @@ _SAMPLES = 24
 _EXAMPLES = 5
 _HEIGHTS = ("height", "HEIGHT", "Height", "building:height", "building_height", "measuredHeight", "bldg_height")
 _FIELDS = (
-    "min_height", "building:levels", "building:min_level", "roof:height", "roof:levels", "roof:shape",
+    "building", "min_height", "building:levels", "building:min_level", "roof:height", "roof:levels", "roof:shape",
     "roof:direction", "roof:orientation", "roof:angle", "building:part", "building:colour", "roof:colour",
 )  # fmt: skip
 #: Plaster, brick, concrete, wood and stone.
@@ -391,10 +391,15 @@ def _tile_box(x: int, y: int) -> tuple[float, float, float, float]:
 
 
 def _footprints(features: Features) -> list[_Footprint]:
-    """Polygons of features, those of several parts one by one."""
+    """Polygons of buildings, those of several parts one by one."""
     found = []
     places = np.column_stack([features.lon_deg, features.lat_deg])
+    values = features.values
+    # Where a layer has OpenStreetMap's key for buildings, its other areas are parks, woods and the like.
+    tags = [values[name] for name in ("building", "building:part") if name in values and "building" in values]
     for row in np.flatnonzero(np.asarray(features.kind) == 0).tolist():
+        if tags and all(column[row] in (None, "", "no") for column in tags):
+            continue
         for part in range(features.feature_starts[row], features.feature_starts[row + 1]):
             span = range(features.part_starts[part], features.part_starts[part + 1])
             rings = [places[features.ring_starts[k] : features.ring_starts[k + 1]] for k in span]

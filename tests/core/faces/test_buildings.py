@@ -112,6 +112,14 @@ def test_parts_replace_their_outline():
     assert np.bincount(triangles.instance).tolist() == [0, 20, 0, 0, 20]
 
 
+def test_other_areas_of_openstreetmap_are_no_buildings():
+    boxes = [(0, 0, 10, 10), (20, 0, 30, 10), (40, 0, 50, 10), (60, 0, 70, 10)]
+    tags = {"building": ("yes", None, "no", None), "building:part": (None, None, None, "yes")}
+    model, triangles = read(Layer(boxes, **tags))
+    assert set(triangles.instance.tolist()) == {1, 4}
+    assert model.counts.by_default == 2
+
+
 @pytest.mark.parametrize("size_m", [10, 35])
 def test_no_gap_between_walls_and_the_slope(size_m):
     _, triangles = read(Layer([(0, 0, size_m, size_m)], height=(9,)))
