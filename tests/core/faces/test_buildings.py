@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pyproj
 import pytest
 from terrainav.core.faces.buildings import BuildingOptions, FootprintBuildings, lowest_ground_m
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -124,13 +125,16 @@ def test_other_areas_of_openstreetmap_are_no_buildings():
 def test_no_gap_between_walls_and_the_slope(size_m):
     _, triangles = read(Layer([(0, 0, size_m, size_m)], height=(9,)))
     walls = triangles.corners_m[triangles.kind == WALL].reshape(-1, 3)
+    to_heights = pyproj.Transformer.from_crs("EPSG:4978", "EPSG:4979", always_xy=True)
+    heights = to_heights.transform(*walls.T)[2]
     ring = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size_m * M + [LON, LAT]
-    surface = Ground().surface(ring[:, 1], ring[:, 0])
-    up = np.array([np.cos(np.radians(LAT)) * np.cos(np.radians(LON)),
-                   np.cos(np.radians(LAT)) * np.sin(np.radians(LON)), np.sin(np.radians(LAT))])  # fmt: skip
-    span = np.ptp(walls @ up)
-    assert span == pytest.approx(9 + 2, abs=0.01)
-    assert lowest_ground_m(surface, [[ring]])[0] <= surface.heights(*surface.position(ring[:, 1], ring[:, 0])).min()
+    edges = ring + np.linspace(0, 1, 2001)[:, None, None] * (np.roll(ring, -1, axis=0) - ring)
+    surface = Ground().surface(edges[..., 1], edges[..., 0])
+    ground = surface.heights(*surface.position(edges[..., 1].ravel(), edges[..., 0].ravel()))
+    assert np.ptp(ground) > size_m / 2
+    # All walls reach 2 m below the lowest ground, and the height counts from that.
+    assert heights.min() == pytest.approx(ground.min() - 2, abs=1e-3)
+    assert heights.max() == pytest.approx(ground.min() + 9, abs=1e-3)
 
 
 @pytest.mark.real_data
