@@ -15,9 +15,10 @@ from ..arrays import Floats, NDArray, Numbers
 from ..errors import InvalidInput
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.triangles import FLOOR, ROOF, WALL
+from ..vectors.features import Features
 from .classes import BACKGROUND, ClassTable, LayerValues, class_table
 from .drawing import topmost
-from .pieces import NO_PIECES, FeatureArrays, LabelPlane, Pieces, pieces
+from .pieces import NO_PIECES, LabelPlane, Pieces, pieces
 
 #: Most edges of regions kept in memory.
 _MOST_EDGES = 1 << 22
@@ -40,7 +41,7 @@ class LabelSource(Protocol):
 
     def features(
         self, west_deg: float, south_deg: float, east_deg: float, north_deg: float, fields: Sequence[str] = ()
-    ) -> FeatureArrays:
+    ) -> Features:
         """Features in a box, in the layer's order; longitudes are continuous with the box's."""
 
     def values(self, field: str) -> dict[Any, int]:
@@ -246,7 +247,7 @@ class LabelMap:
         return Pieces.joined(parts) if parts else NO_PIECES
 
 
-def _order_values(features: FeatureArrays, field: str) -> Floats:
+def _order_values(features: Features, field: str) -> Floats:
     """Numbers by which features are ordered, those without a number first."""
     if not field:
         return np.zeros(len(features.number))

@@ -4,32 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from ..arrays import Floats, NDArray, Numbers
+from ..arrays import Floats, Numbers
 from ..geodesy.ellipsoid import WGS84
-
-#: Kinds of features, as in `vectors`.
-_LINE, _POINT = 1, 2
+from ..vectors.features import LINE, POINT, Features
 
 #: Longest segment of a line, metres; along it, the plane's scale counts as constant.
 _SEGMENT_M = 1000.0
 _MOST_LAT_DEG = 90.0 - 1e-9
-
-
-class FeatureArrays(Protocol):
-    """Features as `vectors` gives them."""
-
-    number: Numbers
-    kind: NDArray[np.uint8]
-    lon_deg: Floats
-    lat_deg: Floats
-    ring_starts: Numbers
-    part_starts: Numbers
-    feature_starts: Numbers
-    values: dict[str, tuple[Any, ...]]
 
 
 class LabelPlane(Protocol):
@@ -125,7 +110,7 @@ NO_PIECES = Pieces(
 
 
 def pieces(
-    features: FeatureArrays, labels: Numbers, plane: LabelPlane, line_width_m: float, point_radius_m: float
+    features: Features, labels: Numbers, plane: LabelPlane, line_width_m: float, point_radius_m: float
 ) -> Pieces:
     """Return the pieces of features: a polygon for each part, a segment for each edge of a line and each point.
 
@@ -145,12 +130,12 @@ def pieces(
     x, y = plane.forward(lat_deg, features.lon_deg)
     xy = np.stack([x, y], axis=1)
     kind = features.kind[feature]
-    radius = np.where(kind == _LINE, line_width_m / 2.0, np.where(kind == _POINT, point_radius_m, 0.0))
+    radius = np.where(kind == LINE, line_width_m / 2.0, np.where(kind == POINT, point_radius_m, 0.0))
     # Edges lead from each vertex to the next of its ring; of points to themselves.
     first = np.nonzero(ring[:-1] == ring[1:])[0] if len(ring) else np.empty(0, np.int64)
-    first = first[kind[first] != _POINT]
+    first = first[kind[first] != POINT]
     second = first + 1
-    points = np.nonzero(kind == _POINT)[0]
+    points = np.nonzero(kind == POINT)[0]
     first, second = np.concatenate([first, points]), np.concatenate([second, points])
     order = np.argsort(first, kind="stable")
     first, second = first[order], second[order]
@@ -183,7 +168,7 @@ def pieces(
 
 
 def _divided(
-    features: FeatureArrays, plane: LabelPlane, ends: tuple[Numbers, Numbers], edges: Floats, copies: Numbers
+    features: Features, plane: LabelPlane, ends: tuple[Numbers, Numbers], edges: Floats, copies: Numbers
 ) -> tuple[Numbers, Floats, Floats]:
     """Divide long segments; returns the edge that each part belongs to, the parts, and the scales of their middles."""
     at = np.repeat(np.arange(len(edges)), copies)

@@ -11,6 +11,7 @@ from ..labels.classes import read_side_file
 from ..labels.label_map import LabelLayer, LabelMap
 from ..mission.mission import Mission
 from ..mission.parts import PixelLabels
+from ..vectors.layer import open_layer, parse_layer
 
 _OPENING = threading.Lock()
 
@@ -35,8 +36,6 @@ def mission_labels(mission: Mission, labels: PixelLabels | None = None) -> Label
 
 def whole_layer_path(text: str) -> str:
     """Make the path in a text absolute, so that the text names the same layer from any current folder."""
-    from ..vectors import parse_layer  # type: ignore[import-not-found]
-
     path = parse_layer(text).path
     return text if path.startswith("/vsi") else f"{Path.cwd() / path}{text[len(path) :]}"
 
@@ -55,8 +54,6 @@ def _opened(labels: PixelLabels, with_buildings: bool, _states: tuple[object, ..
 
 def _state(text: str) -> tuple[float, int] | None:
     """Time and size of a layer's file; None if it cannot be found."""
-    from ..vectors import parse_layer
-
     try:
         found = Path(parse_layer(text).path).stat()
     except (OSError, TerrAInavError):
@@ -65,8 +62,6 @@ def _state(text: str) -> tuple[float, int] | None:
 
 
 def _layer(text: str) -> LabelLayer:
-    from ..vectors import open_layer, parse_layer
-
     try:
         name = parse_layer(text)
         layer = open_layer(name.path, name.layer)
