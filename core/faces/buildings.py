@@ -126,7 +126,7 @@ class FootprintBuildings:
         self.options = options or BuildingOptions()
         self.title, self.attribution = layer.title, layer.attribution
         self.counts = BuildingCounts()
-        self.highest_m = 0.0
+        self.count = layer.count
         self._layer, self._ground = layer, ground
         heights = (self.options.height_field,) if self.options.height_field else _HEIGHTS
         self._heights = tuple(name for name in heights if name in layer.fields)
@@ -233,7 +233,6 @@ class FootprintBuildings:
             degrees = one.degrees[0]
             box = [*degrees.min(axis=0), *degrees.max(axis=0)]
             boxes.append(np.broadcast_to(box, (len(parts[-1]), 4)))
-            self.highest_m = max(self.highest_m, float(solid.points_m[:, 2].max()))
             sizes.append(np.full(len(parts[-1]), float(np.ptp(solid.points_m, axis=0).max())))
         if not parts:
             return _Tile(Triangles.joined([]), np.empty((0, 4)), np.empty(0), owners)

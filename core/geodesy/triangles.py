@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from itertools import accumulate
 from typing import Protocol
 
 import numpy as np
@@ -74,8 +75,8 @@ class FaceModel(Protocol):
         """Credit for the faces."""
 
     @property
-    def highest_m(self) -> float:
-        """Greatest height of any face above the ground below it."""
+    def count(self) -> int:
+        """Greatest number of a building."""
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
         """Triangles of all buildings that reach into the bounding box of positions; longitudes are continuous.
@@ -90,7 +91,7 @@ class _NoFaces:
 
     title: str = ""
     attribution: str = ""
-    highest_m: float = 0.0
+    count: int = 0
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:  # noqa: ARG002
         """No triangles."""
@@ -98,3 +99,49 @@ class _NoFaces:
 
 
 NO_FACES: FaceModel = _NoFaces()
+
+
+@dataclass(frozen=True)
+class _JoinedFaces:
+    """Several models as one, a `FaceModel`; instances are numbered one model after the other.
+
+    Parameters
+    ----------
+    models : tuple of FaceModel
+    before : tuple of int
+        Numbers of instances before each model.
+    """
+
+    models: tuple[FaceModel, ...]
+    before: tuple[int, ...]
+
+    @property
+    def title(self) -> str:
+        """Titles for users."""
+        return ", ".join(model.title for model in self.models)
+
+    @property
+    def attribution(self) -> str:
+        """Credits for the faces."""
+        return "; ".join(dict.fromkeys(model.attribution for model in self.models if model.attribution))
+
+    @property
+    def count(self) -> int:
+        """Greatest number of a building."""
+        return self.before[-1] + self.models[-1].count
+
+    def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
+        """Triangles of all models; see `FaceModel`."""
+        parts = [model.triangles(lat_deg, lon_deg, least_m) for model in self.models]
+        return Triangles.joined(
+            [replace(part, instance=part.instance + before) for part, before in zip(parts, self.before)]
+        )
+
+
+def joined_faces(models: Sequence[FaceModel]) -> FaceModel:
+    """Models as one."""
+    if not models:
+        return NO_FACES
+    if len(models) == 1:
+        return models[0]
+    return _JoinedFaces(tuple(models), (0, *accumulate(model.count for model in models[:-1])))

@@ -7,6 +7,7 @@ from dataclasses import replace
 from ..elevation.heights import HeightOptions, whole_heights_path
 from ..elevation.layered import LayeredElevation, open_relief
 from ..errors import TerrAInavError
+from ..geodesy.triangles import NO_FACES, FaceModel, joined_faces
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
 from ..mission.parts import INTERPOLATE, Terrain
@@ -50,10 +51,26 @@ def terrain_heights(terrain: Terrain, asked: SourceOptions) -> Heights | None:
     wanted = HeightOptions(terrain.vertical_datum, terrain.height_unit, terrain.height_offset_m, asked)
     interpolates = terrain.holes == INTERPOLATE
     ground = _opened("elevation", terrain.elevation, wanted, interpolates)
-    if not terrain.surface:
-        return Heights(ground, ground)
-    seen = _opened("surface", terrain.surface, wanted)
-    return Heights(ground, LayeredElevation((*seen.layers, *ground.layers), interpolates))
+    surface = ground
+    if terrain.surface:
+        seen = _opened("surface", terrain.surface, wanted)
+        surface = LayeredElevation((*seen.layers, *ground.layers), interpolates)
+    return Heights(ground, surface, _open_buildings(terrain, ground, asked.seed))
+
+
+def _open_buildings(terrain: Terrain, ground: LayeredElevation, seed: int) -> FaceModel:
+    """Open the buildings of a terrain; errors name the field."""
+    if not terrain.buildings:
+        return NO_FACES
+    # Imported here, as only missions with buildings need vector files.
+    from ..faces.buildings import BuildingOptions, open_buildings
+
+    options = BuildingOptions(terrain.building_height_field, terrain.building_height_m, seed)
+    try:
+        return joined_faces([open_buildings(text, ground, options) for text in terrain.buildings])
+    except TerrAInavError as wrong:
+        wrong.field = wrong.field or "buildings"
+        raise
 
 
 def _opened(

@@ -43,8 +43,8 @@ class WorldHouses:
 
     title = "Synthetic (offline)"
     attribution = "Synthetic landscape, TerrAInav"
-    #: Eaves, and the rise of a gable 20 m wide.
-    highest_m = EAVES_M + 10.0 * GABLE_RISE
+    #: Numbers are of 29 bits, see `_houses`.
+    count = 1 << 29
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
         """Triangles of the houses that reach into the bounding box of positions; see `FaceModel`."""

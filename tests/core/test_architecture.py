@@ -83,7 +83,7 @@ ARROWS = {
     "vectors": {*FLOOR, "geodesy", "imagery"},
     "dataset": {*FLOOR, "geodesy"},
     "labels": {*FLOOR, "geodesy", "vectors"},
-    "picture": {*FLOOR, "geodesy", "mission", "imagery", "elevation", "vectors", "labels"},
+    "picture": {*FLOOR, "geodesy", "mission", "imagery", "elevation", "vectors", "faces", "labels"},
     "capture": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "labels", "picture"},
     "report": {*FLOOR, "geodesy", "mission", "imagery", "world", "dataset", "picture", "capture"},
     "mosaic": {*FLOOR, "geodesy", "mission", "dataset", "picture", "capture"},

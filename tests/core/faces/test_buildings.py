@@ -41,7 +41,7 @@ class Layer:
 
     def __init__(self, boxes, **values):
         self.boxes, self.values = boxes, values
-        self.fields = tuple(values)
+        self.fields, self.count = tuple(values), len(boxes)
 
     def features(self, west, south, east, north, fields=(), least_m=0.0):
         found = []
@@ -94,7 +94,6 @@ def test_heights_levels_default_and_unread_values():
     assert dict(counts.unread) == {"height": 1}
     assert counts.examples == {"height": ["tall"]}
     assert dict(counts.unknown_roofs) == {"9.0": 1}
-    assert model.highest_m == 22.0
     assert set(triangles.instance.tolist()) == {1, 2, 3, 4}
     # A flat roof and four walls, without the underside.
     assert len(triangles) == 4 * (2 + 8)

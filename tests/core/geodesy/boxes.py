@@ -26,7 +26,7 @@ class Boxes:
     def __init__(self, boxes, place=(LAT, LON)):
         boxes = np.asarray(boxes, float)
         west, south, wide, deep, foot, top = boxes.T
-        self.highest_m = float((top - foot).max())
+        self.count = len(top)
         x = np.stack([west, west + wide, west + wide, west], axis=1)
         y = np.stack([south, south, south + deep, south + deep], axis=1)
         self.lat, self.lon = place[0] + y * METRE_LAT, place[1] + x * METRE_LON
