@@ -10858,6 +10858,9 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/vectors/geojson.py"/>
+        <location filename="../../core/vectors/layer.py"/>
+        <location filename="../../core/vectors/reading.py"/>
         <source>{0}: cannot be read: {1}</source>
         <translation>{0}: no se puede leer: {1}</translation>
     </message>
@@ -11455,6 +11458,66 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/imagery/xyz.py"/>
         <source>{0}: needs an API key, and none is set</source>
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>choose a field with fewer values, or none and tell features apart by the product instances</source>
+        <translation>elija un campo con menos valores, o ninguno y distinga los objetos por el producto instances</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>choose another field, or none</source>
+        <translation>elija otro campo, o ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>color {0!r}: must be #rrggbb</source>
+        <translation>color {0!r}: debe ser #rrggbb</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>id {0!r}: must be a whole number from 0 to {1}</source>
+        <translation>id {0!r}: debe ser un número entero de 0 a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>it must hold a list named classes</source>
+        <translation>debe contener una lista llamada classes</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>labels of {0:,} classes: files of 16 bits hold {1:,}</source>
+        <translation>etiquetas de {0:,} clases: los archivos de 16 bits admiten {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>labels {0}: the field {1} has no value in any feature</source>
+        <translation>etiquetas {0}: el campo {1} no tiene valor en ningún objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>name {0!r}: must be a text</source>
+        <translation>nombre {0!r}: debe ser un texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>table of classes {0}: {1}</source>
+        <translation>tabla de clases {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/label_map.py"/>
+        <source>choose a field of numbers</source>
+        <translation>elija un campo de números</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/label_map.py"/>
+        <source>label order {0!r}: no layer of labels has this field</source>
+        <translation>orden de etiquetas {0!r}: ninguna capa de etiquetas tiene este campo</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/label_map.py"/>
+        <source>label order {0}: has the value {1!r}, which is no number</source>
+        <translation>orden de etiquetas {0}: tiene el valor {1!r}, que no es un número</translation>
     </message>
     <message>
         <location filename="../../core/mission/areas/area.py"/>
@@ -16162,6 +16225,67 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/units.py"/>
         <source>share</source>
         <translation>fracción</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/geojson.py"/>
+        <location filename="../../core/vectors/reading.py"/>
+        <source>{0}: not a vector file that can be read</source>
+        <translation>{0}: no es un archivo vectorial que se pueda leer</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>field {0!r} of {1}: more than {2:,} distinct values, which 16 bits cannot hold</source>
+        <translation>campo {0!r} de {1}: más de {2:,} valores distintos, que no caben en 16 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>layer {0} of {1}: has no features with a geometry</source>
+        <translation>capa {0} de {1}: no tiene objetos con geometría</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>layer {0} of {1}: has no reference system (CRS), so nobody can place it on the Earth</source>
+        <translation>capa {0} de {1}: no tiene sistema de referencia (SRC), así que no se puede situar en la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>no fields</source>
+        <translation>ningún campo</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>{0}: has no field {1!r}, but {2}</source>
+        <translation>{0}: no tiene el campo {1!r}, sino {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/names.py"/>
+        <source>{0}: no such file</source>
+        <translation>{0}: no existe tal archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/reading.py"/>
+        <source>{0}: has no layer {1!r}, but {2}</source>
+        <translation>{0}: no tiene la capa {1!r}, sino {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/reading.py"/>
+        <source>{0}: has no layers</source>
+        <translation>{0}: no tiene capas</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/reading.py"/>
+        <source>{0}: has several layers; name one of {1}</source>
+        <translation>{0}: tiene varias capas; indique una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/reading.py"/>
+        <source>{0}: refers to other files; name these</source>
+        <translation>{0}: remite a otros archivos; indique estos</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/shaping.py"/>
+        <source>reference system cannot be read: {0}</source>
+        <translation>no se puede leer el sistema de referencia: {0}</translation>
     </message>
     <message>
         <location filename="../../core/waiting.py"/>

@@ -12,6 +12,7 @@ from tests.core.remedies import (  # noqa: F401
     files,
     foreign,
     imagery,
+    labels,
     lines,
     missions,
     pairs,
