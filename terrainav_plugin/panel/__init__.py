@@ -9,7 +9,9 @@ headings        summaries next to the titles of folded groups
 presets         chooser of a preset
 entries         groups of entries that are fields of the state
 sections        the groups for flight, output and less common entries
+offers          entry of names, with a menu that offers some
 elevation       entry of elevation sources
+layers          entries of labels and buildings, from the layers of the project
 camera          entries of the camera, with a chooser of cameras
 imagery         entries of the imagery, with a chooser of the source
 imagery_list    list of a mission's imageries

@@ -100,8 +100,8 @@ def test_entries_of_buildings_and_labels_appear_with_them(desk, roofs):
     section.unfold()
     for name, other in (("buildings", "building_height_field"), ("labels", "label_order")):
         entry = section.findChild(QLineEdit, other)
-        desk.wait(lambda entry=entry: not entry.isVisibleTo(section))
+        assert entry.parentWidget().isHidden()
         section.findChild(QLineEdit, name).setText("houses.geojson")
-        desk.wait(lambda entry=entry: entry.isVisibleTo(section))
+        assert not entry.parentWidget().isHidden()
     offers(desk, "buildings")["Roofs && sheds"].trigger()
     assert desk.session.state().buildings[1].partition(".gpkg:")[2] == "Roofs___sheds"
