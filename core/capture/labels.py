@@ -8,20 +8,20 @@ from pathlib import Path
 
 from ..dataset.folder import CLASSES_FILE, INSTANCES_FILE
 from ..labels.label_map import LabelMap
-from ..mission.mission import Mission
 from ..mission.parts import CLASSES, INSTANCES, LABELLED, PixelLabels
+from ..mission.plan import Plan
 from ..storage.files import csv_bytes, json_bytes, write_whole
 from .writers import label_format
 
 
-def open_labels(mission: Mission, labels: PixelLabels | None = None) -> LabelMap | None:
-    """Open the labels of a mission, as `picture.labels.mission_labels`; None if its products have none."""
-    if not set(LABELLED) & set(mission.products):
+def open_labels(plan: Plan, labels: PixelLabels | None = None) -> LabelMap | None:
+    """Open the labels of a plan, as `picture.labels.plan_labels`; None if its products have none."""
+    if not set(LABELLED) & set(plan.mission.products):
         return None
     # Imported here, as only labels need vector files.
-    from ..picture.labels import mission_labels
+    from ..picture.labels import plan_labels
 
-    return mission_labels(mission, labels)
+    return plan_labels(plan, labels)
 
 
 def absolute_labels(labels: PixelLabels) -> PixelLabels:

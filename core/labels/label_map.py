@@ -24,6 +24,8 @@ from .pieces import NO_PIECES, LabelPlane, Pieces, pieces
 _MOST_EDGES = 1 << 22
 #: Least side of a region, degrees: some 10 m.
 _LEAST_DEG = 2.0**-13
+#: Name of the buildings in the table of instances.
+BUILDINGS = "buildings"
 #: Bands of latitude in which the table of instances is read.
 _BANDS = 64
 
@@ -103,8 +105,9 @@ class LabelMap:
         Field by which the features of a layer lie on top, the greatest last; empty for the layer's order.
     line_width_m, point_radius_m : float
         Width of lines and radius of points, on the ground.
-    with_buildings : bool
-        Whether the mission has buildings, whose walls and roofs are classes.
+    buildings : int or None
+        Greatest number of a building, as in `FaceModel`; None for a mission without buildings. Their walls and roofs
+        are classes.
 
     Raises
     ------
@@ -119,11 +122,12 @@ class LabelMap:
         line_width_m: float = 3.0,
         point_radius_m: float = 3.0,
         *,
-        with_buildings: bool = False,
+        buildings: int | None = None,
     ) -> None:
-        self.layers, self.with_buildings = tuple(layers), with_buildings
+        self.layers, self.with_buildings = tuple(layers), buildings is not None
+        self._buildings = buildings or 0
         self._order_field, self._sizes = order_field, (line_width_m, point_radius_m)
-        self.classes: ClassTable = class_table([one.values for one in layers], with_buildings=with_buildings)
+        self.classes: ClassTable = class_table([one.values for one in layers], with_buildings=self.with_buildings)
         ends = np.cumsum([0, *(one.source.count for one in layers)])
         #: Instance ids of each layer's features begin after these; those of buildings after the last.
         self.offsets: tuple[int, ...] = tuple(ends.tolist())
@@ -134,8 +138,9 @@ class LabelMap:
 
     @property
     def instance_dtype(self) -> np.dtype[Any]:
-        """Type of instance pixels: uint16, or uint32 for more features, and for buildings."""
-        return np.dtype(np.uint32 if self.with_buildings or self.offsets[-1] > np.iinfo(np.uint16).max else np.uint16)
+        """Type of instance pixels: uint16, or uint32 for more features and buildings."""
+        most = self.offsets[-1] + self._buildings
+        return np.dtype(np.uint32 if most > np.iinfo(np.uint16).max else np.uint16)
 
     def draw(self, plane: LabelPlane, x: Floats, y: Floats, box: GroundBox | None) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return the classes and instances (h, w) of pixels.
@@ -181,12 +186,17 @@ class LabelMap:
             instances[part] = self.offsets[-1] + instance[part]
 
     def instance_rows(self) -> Iterator[tuple[int, int, str, int]]:
-        """Yield instance id, class id, layer and feature of all features, in order of the ids."""
+        """Yield instance id, class id, layer and feature of all features, in order of the ids; then of buildings.
+
+        Buildings have the class of their walls, and numbers instead of features.
+        """
         for number, layer in enumerate(self.layers):
             ids = self._class_of_features(number, layer)
             for feature, class_id in enumerate(ids.tolist(), 1):
                 if class_id >= 0:
                     yield self.offsets[number] + feature, class_id, layer.name, feature
+        for building in range(1, self._buildings + 1):
+            yield self.offsets[-1] + building, self.classes.wall, BUILDINGS, building
 
     def _class_of_features(self, number: int, layer: LabelLayer) -> Numbers:
         """Class id of each feature of a layer, -1 for those without geometry."""

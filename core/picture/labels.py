@@ -1,4 +1,4 @@
-"""Open the labels of a mission."""
+"""Open the labels of a plan."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ from functools import lru_cache
 from pathlib import Path
 
 from ..errors import TerrAInavError
+from ..geodesy.triangles import NO_FACES
 from ..labels.classes import read_side_file
 from ..labels.label_map import LabelLayer, LabelMap
-from ..mission.mission import Mission
 from ..mission.parts import PixelLabels
+from ..mission.plan import Plan
 from ..vectors.layer import open_layer, parse_layer
 
 _OPENING = threading.Lock()
 
 
-def mission_labels(mission: Mission, labels: PixelLabels | None = None) -> LabelMap:
-    """Open the labels of a mission.
+def plan_labels(plan: Plan, labels: PixelLabels | None = None) -> LabelMap:
+    """Open the labels of a plan's mission, with the numbers of its buildings.
 
     Parameters
     ----------
@@ -29,9 +30,11 @@ def mission_labels(mission: Mission, labels: PixelLabels | None = None) -> Label
     InvalidInput
         A layer cannot be read, or has no such field; as in `LabelMap`.
     """
-    wanted = labels or mission.labels
+    wanted = labels or plan.mission.labels
+    faces = NO_FACES if plan.relief.is_level else plan.relief.heights.faces
+    buildings = None if faces is NO_FACES else faces.count
     with _OPENING:
-        return _opened(wanted, bool(mission.terrain.buildings), tuple(map(_state, wanted.labels)))
+        return _opened(wanted, buildings, tuple(map(_state, wanted.labels)))
 
 
 def whole_layer_path(text: str) -> str:
@@ -41,14 +44,14 @@ def whole_layer_path(text: str) -> str:
 
 
 @lru_cache(maxsize=2)
-def _opened(labels: PixelLabels, with_buildings: bool, _states: tuple[object, ...]) -> LabelMap:
+def _opened(labels: PixelLabels, buildings: int | None, _states: tuple[object, ...]) -> LabelMap:
     """Open layers; blocks of one process share them while their files are unchanged."""
     return LabelMap(
         [_layer(text) for text in labels.labels],
         labels.label_order,
         labels.line_width_m,
         labels.point_radius_m,
-        with_buildings=with_buildings,
+        buildings=buildings,
     )
 
 

@@ -309,7 +309,7 @@ def make_block(block: Block) -> BlockResult:
             block.workers,
             block.exposures,
             write_checked if gathered is None else gathered.write,
-            open_labels(plan.mission, block.labels),
+            open_labels(plan, block.labels),
         )
         orders = _BlockOrders(block, plan, control)
         complete = maker.make([Piece(block.map_type, np.arange(len(plan)))], orders)
