@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import numpy as np
 import pytest
-from osgeo import ogr, osr
-from qgis.core import QgsFeature, QgsGeometry, QgsProject, QgsVectorLayer
+from osgeo import gdal, ogr, osr
+from qgis.core import QgsFeature, QgsGeometry, QgsProject, QgsRectangle, QgsVectorLayer
 from qgis.PyQt.QtWidgets import QLineEdit, QMenu, QToolButton
+
+from tests.plugin.steps import COARSE_BOX
+from tests.plugin.test_capture import capture, images
 
 SQUARE = "POLYGON((-89.87 35.13, -89.86 35.13, -89.86 35.14, -89.87 35.13))"
 
@@ -105,3 +110,36 @@ def test_entries_of_buildings_and_labels_appear_with_them(desk, roofs):
         assert not entry.parentWidget().isHidden()
     offers(desk, "buildings")["Roofs && sheds"].trigger()
     assert desk.session.state().buildings[1].partition(".gpkg:")[2] == "Roofs___sheds"
+
+
+def test_a_capture_writes_the_classes_and_instances_of_a_layer_in_memory(desk):
+    layer = QgsVectorLayer("Polygon?crs=EPSG:4326&field=kind:string", "Halves", "memory")
+    box = COARSE_BOX
+    west, north, east, south = (float(box[name]) for name in ("west", "north", "east", "south"))
+    middle = (west + east) / 2.0
+    features = []
+    for kind, left, right in (("tile", west - 1.0, middle), ("slate", middle, east + 1.0)):
+        feature = QgsFeature(layer.fields())
+        feature.setGeometry(QgsGeometry.fromRect(QgsRectangle(left, south - 1.0, right, north + 1.0)))
+        feature.setAttributes([kind])
+        features.append(feature)
+    assert layer.dataProvider().addFeatures(features)[0]
+    QgsProject.instance().addMapLayer(layer)
+    desk.enter_coarse_mission()
+    of_field(desk, "Halves", "kind")
+    desk.wait_planned()
+    capture(desk)
+    table = json.loads((desk.folder / "classes.json").read_text("utf-8"))
+    assert [(one["id"], one["name"]) for one in table["classes"]] == [(1, "slate"), (2, "tile")]
+    made = images(desk)
+    assert made
+    for image in made:
+        opened = gdal.Open(str(image))
+        classes, instances = (gdal.Open(str(desk.folder / name / image.name)) for name in ("classes", "instances"))
+        assert classes.RasterXSize == opened.RasterXSize
+        assert classes.GetRasterBand(1).GetColorTable() is not None
+        first, across = opened.GetGeoTransform()[:2]
+        x = first + (np.arange(opened.RasterXSize) + 0.5) * across
+        is_west = x < middle * 20037508.342789244 / 180.0
+        assert (classes.ReadAsArray() == np.where(is_west, 2, 1)).all()
+        assert (instances.ReadAsArray() == np.where(is_west, 1, 2)).all()

@@ -153,11 +153,13 @@ def test_products_are_ticked(desk):
         "points": False,
         "normals": True,
         "facades": False,
+        "classes": False,
+        "instances": False,
     }
     assert desk.session.state().products == ("normals", "depth")
     for box in boxes:
         box.click()
-    assert desk.session.state().products == ("points", "facades")
+    assert desk.session.state().products == ("points", "facades", "classes", "instances")
 
 
 def test_a_hole_below_the_flight_is_said_at_the_entry(desk, dem):

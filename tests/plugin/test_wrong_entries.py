@@ -50,6 +50,7 @@ MORE_TEXTS = {
 #: Choices that between them show every number entry.
 CHOICES = (
     {"facing": "10", "resize": True, "wind": True},
+    {"elevation": ("60",), "labels": ("fields.gpkg",), "buildings": ("houses.gpkg",)},
     {"fov_mode": "horizontal", "fov_typed_deg": 60.0, "resolution": "zoom", "zoom": 17},
     {
         "fov_mode": "sensor",
