@@ -39,9 +39,9 @@ def topmost(pieces: Pieces, x: Floats, y: Floats) -> Numbers:
             for left in range(0, x.shape[1], _NUMPY_TILE_PX):
                 tile = np.s_[top : top + _NUMPY_TILE_PX, left : left + _NUMPY_TILE_PX]
                 _draw_tile(near, x[tile], y[tile], found[tile])
-    shown = found >= 0
-    found[shown] = which[found[shown]]
-    return found
+    # The last is for positions without a piece, whose index is -1.
+    of_all: Numbers = np.append(which, -1)[found]
+    return of_all
 
 
 def _within(box: Floats, x: Floats, y: Floats) -> Numbers:

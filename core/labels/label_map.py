@@ -91,7 +91,7 @@ class GroundBox(NamedTuple):
         known = np.isfinite(lat_deg) & np.isfinite(lon_deg)
         if not known.any():
             return None
-        lat, lon = lat_deg[known], lon_deg[known]
+        lat, lon = (lat_deg, lon_deg) if known.all() else (lat_deg[known], lon_deg[known])
         return cls(float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max()))
 
 
@@ -154,16 +154,14 @@ class LabelMap:
         box : GroundBox or None
             Ground that holds the positions; None without ground.
         """
-        classes = np.full(x.shape, self.classes.ignore, self.classes.dtype)
-        instances = np.zeros(x.shape, self.instance_dtype)
-        classes[np.isfinite(x) & np.isfinite(y)] = BACKGROUND
         if box is None:
-            return classes, instances
+            return np.full(x.shape, self.classes.ignore, self.classes.dtype), np.zeros(x.shape, self.instance_dtype)
         shown = self._region(plane, box)
         found = topmost(shown, x, y)
-        at = np.nonzero(found >= 0)
-        classes[at] = shown.label[found[at]]
-        instances[at] = shown.instance[found[at]]
+        # The last of each table is for pixels without a piece, whose index is -1.
+        classes = np.append(shown.label, BACKGROUND).astype(self.classes.dtype)[found]
+        instances = np.append(shown.instance, 0).astype(self.instance_dtype)[found]
+        classes[~(np.isfinite(x) & np.isfinite(y))] = self.classes.ignore
         return classes, instances
 
     def add_buildings(

@@ -31,6 +31,8 @@ BANDS = {
     "facades": Bands(("face",), "uint8", (0,)),
 }
 _DEGREES = DegreePlane()
+#: Pixels whose ground is computed together.
+_STRIP_PX = 1 << 14
 
 
 def products(
@@ -177,8 +179,14 @@ def _level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Flo
     """Latitudes (h, w) of level ground seen by the pixels of a camera frame, and longitudes from the camera's."""
     (width, height), pose = size_px, plan.poses.take(np.array([index]))
     rays = ImageRays.from_scene(ImageGeometry(plan.mission.camera, width, height, pose, plan.ground))
-    seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
-    return seen.lat_deg, seen.dlon_deg
+    lat, dlon = np.empty((2, height, width))
+    # By strips that fit in the processor's cache.
+    rows = max(_STRIP_PX // width, 1)
+    for top in range(0, height, rows):
+        strip = slice(top, min(top + rows, height))
+        seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(strip.start, strip.stop) + 0.5))
+        lat[strip], dlon[strip] = seen.lat_deg, seen.dlon_deg
+    return lat, dlon
 
 
 def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
