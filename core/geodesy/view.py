@@ -498,8 +498,11 @@ class ImageRays(NamedTuple):
 
     def directions(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
-        x, y = (np.asarray(values, np.float64)[..., np.newaxis] for values in (x_px, y_px))
-        rays: Floats = self.origin + x * self.per_x + y * self.per_y
+        x, y = (np.asarray(values, np.float64) for values in (x_px, y_px))
+        rays = np.empty((*np.broadcast_shapes(x.shape, y.shape), 3))
+        # Component by component: broadcasting a last axis of 3 is several times as slow.
+        for axis in range(3):
+            rays[..., axis] = self.origin[axis] + x * self.per_x[axis] + y * self.per_y[axis]
         return rays
 
     def ground(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> GroundPoints:
