@@ -41,7 +41,13 @@ def landscape_crs(source: str, crs: str) -> str:
 def absolute_terrain(terrain: Terrain) -> Terrain:
     """Terrain with absolute paths, for processes with another current folder."""
     elevation, surface = (tuple(map(whole_heights_path, texts)) for texts in (terrain.elevation, terrain.surface))
-    return replace(terrain, elevation=elevation, surface=surface)
+    buildings = terrain.buildings
+    if buildings:
+        # Imported here, as only missions with buildings need vector files.
+        from .labels import whole_layer_path
+
+        buildings = tuple(map(whole_layer_path, buildings))
+    return replace(terrain, elevation=elevation, surface=surface, buildings=buildings)
 
 
 def terrain_heights(terrain: Terrain, asked: SourceOptions) -> Heights | None:

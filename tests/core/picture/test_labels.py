@@ -21,8 +21,10 @@ from terrainav.core.imagery.opening import named_source
 from terrainav.core.labels.label_map import LabelLayer
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.parts import Terrain
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture import labels as opening
+from terrainav.core.picture.heights import absolute_terrain
 from terrainav.core.picture.products import products, sighting
 
 from tests.core.geodesy.boxes import LAT, LON, METRE_LAT, METRE_LON, Boxes
@@ -131,6 +133,13 @@ def test_workers_read_layers_named_from_the_users_folder(tmp_path, monkeypatch):
         for name in made.names:
             one, other = (tmp_path / folder / product / f"{name}.png" for folder in ("one", "blocks"))
             assert one.read_bytes() == other.read_bytes()
+
+
+def test_workers_read_buildings_named_from_the_users_folder(tmp_path, monkeypatch):
+    written(tmp_path / "houses.geojson", CROPS)
+    monkeypatch.chdir(tmp_path)
+    terrain = Terrain(elevation=("100",), buildings=("houses.geojson",))
+    assert absolute_terrain(terrain).buildings == (str(tmp_path / "houses.geojson"),)
 
 
 def test_a_side_file_gives_values_ids_names_and_colours(tmp_path):
