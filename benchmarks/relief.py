@@ -5,6 +5,7 @@
     python benchmarks/relief.py --scenes 10000        # rays of random scenes beside a march through space, in PROJ
     python benchmarks/relief.py --cliffs 10000        # images of random scenes with cliffs, in six systems
     python benchmarks/relief.py --images              # whole images a second, with numpy and with numba; with --dsm too
+    python benchmarks/relief.py --buildings           # whole images a second with and without 2,000 buildings
     python benchmarks/relief.py --pictures docs/images  # makes the page's pictures; with --dsm both
 
 A march goes along each ray in steps of half a cell until it is below the surface, and halves the last one ten times: it
@@ -15,6 +16,7 @@ are of one thread's processor time, the best of several.
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import tempfile
@@ -215,26 +217,41 @@ def shot(source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: 
     return picture, sighting(made, 0, made.frames.largest_px)
 
 
-def hills_file(folder: Path) -> str:
-    """Write the hills as a raster."""
+def hills_file(folder: Path, times: int = 1) -> str:
+    """Write the hills as a raster; ``times`` as wide and deep, about the same place."""
     import rasterio
     from rasterio.transform import from_origin
 
     surface, path = Hills().surface_, folder / "hills.tif"
     cell = 2.0 * np.pi * 6378137.0 / surface.grid.world_px(surface.zoom)
-    west, north = (at * cell - np.pi * 6378137.0 for at in (surface.left_px, -surface.top_px))
+    aside = 256.0 * (times - 1)
+    west, north = (at * cell - np.pi * 6378137.0 for at in (surface.left_px - aside, -surface.top_px + aside))
     north += 2.0 * np.pi * 6378137.0
+    cell *= times
     made = {"height": 512, "width": 512, "count": 1, "dtype": "float32", "crs": "EPSG:3857"}
     with rasterio.open(path, "w", driver="GTiff", transform=from_origin(west, north, cell, cell), **made) as file:
         file.write(surface.heights_m.astype(np.float32), 1)
     return str(path)
 
 
-def whole_image(elevation: tuple[str, ...], tilt: float, at: tuple[float, float]) -> Callable[[], object]:
+def whole_image(
+    elevation: tuple[str, ...],
+    tilt: float,
+    at: tuple[float, float],
+    agl: float = 120.0,
+    buildings: tuple[str, ...] = (),
+) -> Callable[[], object]:
     """Work of one capture in memory: find its tiles, draw it, encode it as JPEG. All tiles show the same texture."""
-    area = Points(((*at, 120.0),))
     mission = Mission(
-        area, 120.0, CAMERA, source="world", elevation=elevation, tilt_deg=tilt, yaw_deg=30.0, upsample=True
+        Points(((*at, agl),)),
+        agl,
+        CAMERA,
+        source="world",
+        elevation=elevation,
+        buildings=buildings,
+        tilt_deg=tilt,
+        yaw_deg=30.0,
+        upsample=True,
     )
     opened = open_source("world")
     made = plan(mission, opened.grid, mission_heights(mission))
@@ -283,6 +300,52 @@ def images(dsm: str | None) -> None:
                             taken[code] = min(taken[code], timed(work, 1))
                 slow, fast = taken.values()
                 print(f"| {name} | {tilt:g}° | {1 / slow:.1f} | {1 / fast:.1f} | {slow / fast:.1f} |", flush=True)
+
+
+def footprints_file(folder: Path, at: tuple[float, float], side: int = 90) -> str:
+    """Write a town of houses and blocks, 24 m apart, with heights and roofs of several kinds."""
+    path, some = folder / "town.geojson", np.random.default_rng(7)
+    metre_lat, metre_lon = 1.0 / 111_132.0, 1.0 / (111_320.0 * np.cos(np.radians(at[0])))
+    features = []
+    for row, column in np.ndindex(side, side):
+        x, y = 24.0 * (column - side / 2.0), 24.0 * (row - side / 2.0)
+        wide, deep = some.uniform(8.0, 18.0, 2)
+        ring = [(0.0, 0.0), (wide, 0.0), (wide, deep), (0.4 * wide, deep), (0.4 * wide, 0.7 * deep), (0.0, 0.7 * deep)]
+        corners = [[at[1] + (x + east) * metre_lon, at[0] + (y + north) * metre_lat] for east, north in ring]
+        values = {
+            "height": float(some.uniform(4.0, 20.0)),
+            "roof:shape": str(some.choice(["flat", "gabled", "hipped"])),
+        }
+        geometry = {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}
+        features.append({"type": "Feature", "properties": values, "geometry": geometry})
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}), "utf-8")
+    return str(path)
+
+
+def buildings() -> None:
+    """Print whole images a second with buildings in view, and the same without, with numpy and with numba in turns."""
+    compile_code()
+    at, agl = (45.0, 7.0), 900.0
+    with tempfile.TemporaryDirectory() as folder:
+        hills, town = (hills_file(Path(folder), 4),), (footprints_file(Path(folder), at),)
+        print("| tilt | buildings in view | numpy: with | without | numba: with | without |")
+        print("| --- | --- | --- | --- | --- | --- |")
+        for tilt in (0.0, 45.0):
+            mission = Mission(
+                Points(((*at, agl),)), agl, CAMERA, source="world", elevation=hills, buildings=town, tilt_deg=tilt,
+                yaw_deg=30.0, upsample=True,
+            )  # fmt: skip
+            made = plan(mission, open_source("world").grid, mission_heights(mission))
+            seen = np.unique(sighting(made, 0, made.frames.largest_px).instance)
+            works = [whole_image(hills, tilt, at, agl, some) for some in (town, ())]
+            found = []
+            for code in ("numpy", "numba"):
+                with compiling.without_numba() if code == "numpy" else nullcontext():
+                    for work in works:
+                        work()
+                    taken = [min(pair) for pair in zip(*([timed(one, 1) for one in works] for _ in range(REPEATS)))]
+                found += [f"{1 / one:.1f}" for one in taken]
+            print(f"| {tilt:g}° | {np.count_nonzero(seen):,} | {' | '.join(found)} |", flush=True)
 
 
 def side_by_side(path: Path, pictures: list[tuple[str, np.ndarray]]) -> None:
@@ -346,6 +409,7 @@ def main() -> None:
     parser.add_argument("--dsm", help="a surface in a projected CRS")
     parser.add_argument("--pictures", type=Path, help="folder to make the page's images in")
     parser.add_argument("--images", action="store_true", help="measure whole images")
+    parser.add_argument("--buildings", action="store_true", help="measure whole images with buildings")
     parser.add_argument("--scenes", type=int, help="random scenes to look at")
     parser.add_argument("--cliffs", type=int, help="random scenes with cliffs to look at")
     asked = parser.parse_args()
@@ -357,6 +421,9 @@ def main() -> None:
         return
     if asked.images:
         images(asked.dsm)
+        return
+    if asked.buildings:
+        buildings()
         return
     if asked.pictures:
         draw_pages(asked.pictures, asked.dsm)
