@@ -115,14 +115,18 @@ def _boxes(corners: Floats, ways: Floats, rays: PixelRays) -> Numbers:
     is_ahead = depth > _NEAR
     with np.errstate(divide="ignore", invalid="ignore"):
         x_px, y_px = x / depth, y / depth
-    low, high = (np.stack([f(at, axis=1) for at in (x_px, y_px)]) for f in (np.min, np.max))
-    across = np.flatnonzero(is_ahead.any(axis=1) & ~is_ahead.all(axis=1))
+    # Three columns compared are ten times as fast as a reduction of rows of three.
+    low, high = (
+        np.stack([end(end(at[:, 0], at[:, 1]), at[:, 2]) for at in (x_px, y_px)]) for end in (np.minimum, np.maximum)
+    )
+    first, second, third = is_ahead.T
+    some = first | second | third
+    across = np.flatnonzero(some & ~(first & second & third))
     if len(across):
         points = _cut(depth[across], np.stack([x[across], y[across]]), is_ahead[across])
         low[:, across], high[:, across] = np.nanmin(points, axis=2), np.nanmax(points, axis=2)
     size = np.array([[rays.width], [rays.height]])
-    behind = ~is_ahead.any(axis=1)
-    low[:, behind], high[:, behind] = 1.0, 0.0
+    low[:, ~some], high[:, ~some] = 1.0, 0.0
     slack = _WIDER * (np.abs(low) + np.abs(high) + size)
     firsts = np.clip(np.ceil(low - slack - 0.5), 0.0, size)
     ends = np.clip(np.floor(high + slack - 0.5) + 1.0, 0.0, size)
