@@ -102,6 +102,11 @@ def declared(
     return dataclasses.field(default=default, metadata={_KEY: metadata})
 
 
+def is_plain(value: Any) -> bool:
+    """Whether a value is printable text without spaces around it; it may be empty."""
+    return isinstance(value, str) and value == value.strip() and value.isprintable()
+
+
 @dataclass(frozen=True)
 class Field:
     """A declared field; see `declared`.

@@ -9,20 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Flags, Floats, Numbers
+from ..arrays import Flags, Floats, Numbers, expand_counts
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.local import geocentric
 from ..geodesy.raytracing.surface import Surface
 from ..geodesy.raytracing.tracing import ElevationModel
-from ..geodesy.triangles import FLOOR, ROOF, Triangles
+from ..geodesy.triangles import FLOOR, ROOF, SKIRT_M, Triangles
 from ..vectors.features import Features
 from ..vectors.layer import VectorLayer, open_layer, parse_layer
 from .heights import LEVEL_M, Value, read_colour, read_direction_deg, read_length_m, read_number
 from .roofs import FLAT, NEAREST, PITCH_DEG, SHAPES, Roof, Solid, build, pitched_height_m
 from .triangulation import open_ring
 
-#: Depth of walls below the lowest ground: coarser levels of the relief differ from the finest.
-SKIRT_M = 2.0
 #: Zoom of the Web-Mercator tiles, about 600 m wide, that are read at a time.
 _ZOOM = 16
 #: Triangles kept in memory.
@@ -350,8 +348,8 @@ def lowest_ground_m(surface: Surface, footprints: list[list[Floats]]) -> Floats:
     for axis in (0, 1):
         low, high = np.minimum(a, b)[:, axis], np.maximum(a, b)[:, axis]
         count = np.maximum(np.floor(high) - np.ceil(low) + 1, 0).astype(np.int64)
-        which = np.repeat(np.arange(len(a)), count)
-        line = np.ceil(low)[which] + np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
+        which, number = expand_counts(count)
+        line = np.ceil(low)[which] + number
         run = (b - a)[which, axis]
         edge.append(which)
         t.append(np.clip((line - a[which, axis]) / np.where(run == 0.0, 1.0, run), 0.0, 1.0))

@@ -13,6 +13,8 @@ from ..arrays import Flags, Floats, NDArray, Numbers
 
 #: Kinds of surfaces: the relief itself, and those of buildings.
 RELIEF, ROOF, WALL, FLOOR = 0, 1, 2, 3
+#: Depth of walls below the lowest ground: coarser levels of the relief differ from the finest.
+SKIRT_M = 2.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -449,6 +449,37 @@ def sample_offsets(samples_x: int, samples_y: int) -> tuple[Floats, Floats]:
     return off_x, off_y
 
 
+def plane_samples(
+    row: Numbers,
+    column: Numbers,
+    place: tuple[Floats, Floats],
+    steps: Sequence[tuple[Floats, Floats]],
+    grid: PixelGrid,
+    zooms: tuple[int, int],
+) -> list[Samples]:
+    """Samples of pixels (n,) that see planes.
+
+    Parameters
+    ----------
+    place : tuple of array (n,)
+        World fractions du and v at the pixels' centres.
+    steps : sequence of tuple of array (n,)
+        By how much these change along columns, and along rows.
+    """
+    per_x, per_y = (np.sqrt(across * across + down * down) for across, down in steps)
+    found = []
+    for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
+        off_x, off_y = sample_offsets(samples_x, samples_y)
+        du, v = (
+            place[axis][at, np.newaxis]
+            + steps[0][axis][at, np.newaxis] * off_x
+            + steps[1][axis][at, np.newaxis] * off_y
+            for axis in (0, 1)
+        )
+        found.append(Samples(zoom, row[at], column[at], du, v))
+    return found
+
+
 def _spans(rays: ImageRays, x: Floats, y: Floats, du: Floats, v: Floats, step_x: float, step_y: float) -> Floats:
     """Distances, as world fractions, from image points to the next pixel, or to the one before if that is sky."""
     spans = np.full(len(x), 1.0)

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..arrays import Floats, Numbers
+from ..arrays import Floats, Numbers, expand_counts
 from ..geodesy.ellipsoid import WGS84
 from ..vectors.features import LINE, POINT, Features
 
@@ -171,8 +171,7 @@ def _divided(
     features: Features, plane: LabelPlane, ends: tuple[Numbers, Numbers], edges: Floats, copies: Numbers
 ) -> tuple[Numbers, Floats, Floats]:
     """Divide long segments; returns the edge that each part belongs to, the parts, and the scales of their middles."""
-    at = np.repeat(np.arange(len(edges)), copies)
-    step = np.arange(len(at)) - np.repeat(np.cumsum(copies) - copies, copies)
+    at, step = expand_counts(copies)
     low, high = step / copies[at], (step + 1) / copies[at]
     way = edges[at, 2:] - edges[at, :2]
     parts = np.concatenate([edges[at, :2] + way * low[:, None], edges[at, :2] + way * high[:, None]], axis=1)

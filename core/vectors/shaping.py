@@ -7,7 +7,7 @@ from typing import Callable
 
 import numpy as np
 
-from ..arrays import Floats, Numbers
+from ..arrays import Floats, Numbers, expand_counts
 from ..errors import InvalidInput
 from ..geodesy.reference import check_reference
 from .features import LINE, POLYGON
@@ -100,8 +100,7 @@ class Reference:
 def _divided(x: Floats, y: Floats, ring: Numbers, pieces: Numbers) -> tuple[Floats, Floats, Numbers]:
     """Divide edges into equal pieces."""
     counts = np.append(pieces, 1)
-    edge = np.repeat(np.arange(len(x)), counts)
-    step = np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
+    edge, step = expand_counts(counts)
     share = step / counts[edge]
     after = np.minimum(edge + 1, len(x) - 1)
     return x[edge] + share * (x[after] - x[edge]), y[edge] + share * (y[after] - y[edge]), ring[edge]

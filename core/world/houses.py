@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Floats, Numbers
 from ..geodesy.local import geocentric
 from ..geodesy.mercator import MERCATOR
-from ..geodesy.triangles import NO_TRIANGLES, ROOF, WALL, Triangles
+from ..geodesy.triangles import NO_TRIANGLES, ROOF, SKIRT_M, WALL, Triangles
 from .division import ROOT, ROOT_M, wall_colours, whole_division
 from .heights import ground_m
 from .lattice import WORLD_M, Array, LatticeWindow, chart_pole
@@ -19,8 +19,6 @@ from .region import BLOCK_ZOOM
 from .samples import group_points
 from .scene import Scene
 
-#: Depth of walls below the ground: coarser levels of relief differ from the finest.
-_SKIRT_M = 2.0
 #: Positions, in chart metres, are found to this: float32 fields have a quarter of a millimetre.
 _CLOSE_M = 1e-3
 #: Houses of root squares in memory; a town has some thousand in each.
@@ -164,7 +162,7 @@ def _faces(
     # Heights in the chart's metres, like widths.
     scale = np.cos(np.radians(lat[:, 0]))
     eaves = (ground.mean(axis=1) + EAVES_M * scale)[:, np.newaxis]
-    foot = ground.min(axis=1)[:, np.newaxis] - _SKIRT_M
+    foot = ground.min(axis=1)[:, np.newaxis] - SKIRT_M
     top = eaves + np.concatenate([np.zeros((len(u), 4)), np.repeat((rise_m * scale)[:, np.newaxis], 2, axis=1)], axis=1)
     points = np.concatenate([geocentric(lat, lon, top), geocentric(lat[:, :4], lon[:, :4], foot)], axis=1)
     walls = [side for k in range(4) for side in ((k, 6 + k, 6 + (k + 1) % 4), (k, 6 + (k + 1) % 4, (k + 1) % 4))]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, Numbers, expand_counts
 from ...external.compiling import uses_numba
 from ..triangles import NO_TRIANGLES, Triangles
 from .surface import PixelRays
@@ -148,9 +148,8 @@ def _draw(forms: Floats, boxes: Numbers, nearness: Floats, triangle: Numbers) ->
     """`face_kernels.draw` in numpy: the same pixels, a number of candidates at a time."""
     wide, high = boxes[:, 2] - boxes[:, 0], boxes[:, 3] - boxes[:, 1]
     # Rows of boxes one by one, so that a box of the whole image is not one batch.
-    rows_end = np.cumsum(high)
-    of_row = np.repeat(np.arange(len(boxes)), high)
-    row = np.arange(len(of_row)) - np.repeat(rows_end - high, high) + boxes[of_row, 1]
+    of_row, row = expand_counts(high)
+    row = row + boxes[of_row, 1]
     ends = np.cumsum(wide[of_row])
     start = begun = 0
     while start < len(of_row):
@@ -167,8 +166,8 @@ def _draw_rows(
     y = row + 0.5
     at_row = [forms[of_row, k, 0] + y * forms[of_row, k, 2] for k in range(4)]
     wide = boxes[of_row, 2] - boxes[of_row, 0]
-    which = np.repeat(np.arange(len(of_row)), wide)
-    column = np.arange(len(which)) - np.repeat(np.cumsum(wide) - wide, wide) + boxes[of_row, 0][which]
+    which, column = expand_counts(wide)
+    column = column + boxes[of_row, 0][which]
     for k in range(3):
         inside = at_row[k][which] + (column + 0.5) * forms[of_row[which], k, 1] >= 0.0
         which, column = which[inside], column[inside]

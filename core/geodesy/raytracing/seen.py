@@ -10,7 +10,7 @@ from numpy.polynomial.polynomial import polyval2d, polyvander2d
 from ...arrays import Flags, Floats, Numbers
 from ...external.compiling import uses_numba
 from ..mercator import PixelGrid, wrap_lon_deg
-from ..view import KIND_BITS, MOST_POWER, NEAREST_PX, Detail, Samples, detail_groups, pixel_detail, sample_offsets
+from ..view import KIND_BITS, MOST_POWER, NEAREST_PX, Detail, Samples, plane_samples
 from .surface import Hits, PixelRays, Surface
 
 #: Slope, metres per metre, above which faces cannot be seen from above: no map shows their colours.
@@ -136,16 +136,7 @@ class Seen(NamedTuple):
         spans = [
             (turn[0, 0] * east + turn[0, 1] * north, turn[1, 0] * east + turn[1, 1] * north) for east, north in steps
         ]
-        per_x, per_y = (np.sqrt(across * across + down * down) for across, down in spans)
-        found = []
-        for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
-            off_x, off_y = sample_offsets(samples_x, samples_y)
-            sub_du, sub_v = (
-                place[at, np.newaxis] + spans[0][axis][at, np.newaxis] * off_x + spans[1][axis][at, np.newaxis] * off_y
-                for axis, place in enumerate((du, v))
-            )
-            found.append(Samples(zoom, row[at] + self.top, column[at], sub_du, sub_v))
-        return found, faces
+        return plane_samples(row + self.top, column, (du, v), spans, grid, zooms), faces
 
     def _compiled_samples(self, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int]) -> tuple[list[Samples], int]:
         from . import sampling

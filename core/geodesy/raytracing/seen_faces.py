@@ -10,7 +10,7 @@ from ...arrays import Flags, Floats, NDArray, Numbers
 from ..ellipsoid import positions
 from ..local import enu_axes, geocentric
 from ..mercator import PixelGrid
-from ..view import Samples, detail_groups, pixel_detail, sample_offsets
+from ..view import Samples, plane_samples
 from .faces import FaceHits
 from .surface import PixelRays
 
@@ -110,20 +110,9 @@ class SeenFaces(NamedTuple):
             return []
         place, steps = self._on_map(grid, row, column, triangle)
         known = np.isfinite(place).all(axis=0)
-        row, column, place = row[known], column[known], place[:, known]
-        steps = [step[:, known] for step in steps]
-        per_x, per_y = (np.hypot(*step) for step in steps)
-        found = []
-        for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
-            off_x, off_y = sample_offsets(samples_x, samples_y)
-            du, v = (
-                place[axis][at, np.newaxis]
-                + steps[0][axis][at, np.newaxis] * off_x
-                + steps[1][axis][at, np.newaxis] * off_y
-                for axis in (0, 1)
-            )
-            found.append(Samples(zoom, row[at], column[at], du, v))
-        return found
+        du, v = place[:, known]
+        across, down = (step[:, known] for step in steps)
+        return plane_samples(row[known], column[known], (du, v), (tuple(across), tuple(down)), grid, zooms)
 
     def _on_map(self, grid: PixelGrid, row: Numbers, column: Numbers, triangle: Numbers) -> tuple[Floats, list[Floats]]:
         """Fractions (2, n) of the world at pixels, and by how much they change along columns and rows."""

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Floats, NDArray
+from ...arrays import Floats, NDArray, expand_counts
 from ...errors import InvalidInput, Message
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
@@ -362,15 +362,16 @@ def _samples(path: FlownPath) -> Iterator[tuple[NDArray[np.int64], Floats, Float
     length = np.hypot(np.diff(x), np.diff(y))
     # Pieces of 100 m are straight in longitude and latitude to half a millimetre at 60 degrees of latitude.
     pieces = np.maximum(np.ceil(length / 100.0), 1.0).astype(np.int64)
-    leg = np.repeat(np.arange(len(length)), pieces)
-    share = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
+    leg, number = expand_counts(pieces)
+    share = number / pieces[leg]
     x, y, height = (values[leg] + share * np.diff(values)[leg] for values in (x, y, path.height_m))
     lat, lon = plane.inverse(x, y)
     ends = [np.append(a, b[-1]) for a, b in zip((lat, lon, height), path[1:])]
     steps = np.maximum(np.ceil(length / pieces / 0.5), 1.0).astype(np.int64)[leg]
     for some in np.split(np.arange(len(leg)), np.flatnonzero(np.diff(np.cumsum(steps) // (1 << 20))) + 1):
         count = steps[some] + 1
-        piece = np.repeat(some, count)
-        along = (np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)) / steps[piece]
+        piece, number = expand_counts(count)
+        piece = some[piece]
+        along = number / steps[piece]
         lat, lon, height = (values[piece] + along * np.diff(values)[piece] for values in ends)
         yield leg[piece], lat, lon, height

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ...arrays import Floats, NDArray, Numbers
+from ...arrays import Floats, NDArray, Numbers, expand_counts
 from ...errors import InvalidInput
 from ...geodesy.camera import Poses
 from ...geodesy.mercator import wrap_lon_deg
@@ -628,8 +628,8 @@ def _cut(lon_deg: Floats, lat_deg: Floats) -> tuple[Floats, Floats]:
     along = legs(np.append(lat_deg, lat_deg[0]), np.append(lon_deg, lon_deg[0])).distance_m
     # Sides follow parallels: pieces of 1 km deviate by 2 cm where parallels bend most. 256 pieces bound the time.
     pieces = np.clip(np.ceil(along / 1000.0), 1, 256).astype(np.int64)
-    side = np.repeat(np.arange(len(pieces)), pieces)
-    share = (np.arange(len(side)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[side]
+    side, number = expand_counts(pieces)
+    share = number / pieces[side]
     lon, lat = (part[side] + share * (np.roll(part, -1) - part)[side] for part in (lon_deg, lat_deg))
     return lon, lat
 

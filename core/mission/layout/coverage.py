@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, Numbers, expand_counts
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import Windows
 from ...geodesy.mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat
@@ -277,9 +277,8 @@ def _lines(low: Floats, high: Floats, least: float, most: float) -> tuple[Floats
 
 def _expand_ranges(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
     """Numbers in the ranges ``first`` to ``last`` (excluded), with the index of the range of each."""
-    counts = np.maximum(last - first, 0)
-    owner = np.repeat(np.arange(len(counts)), counts)
-    return owner, first[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+    owner, number = expand_counts(np.maximum(last - first, 0))
+    return owner, first[owner] + number
 
 
 def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: Numbers) -> Rectangles:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ...arrays import Floats, NDArray, Numbers
+from ...arrays import Floats, NDArray, Numbers, expand_counts
 from ...errors import InvalidInput
 from ...geodesy.ellipsoid import WGS84, gauss_legendre
 from ...geodesy.frames import FrameEdges
@@ -184,8 +184,7 @@ def _cover(
     else:
         refuse_too_many(float(counts.sum()), mission.output.max_images)
         per_row = counts.astype(np.int64)
-        row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
-        column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
+        row, column = expand_counts(per_row)
         middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
         u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
         united = FrameEdges(*(edge[row] for edge in united))

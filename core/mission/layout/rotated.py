@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Flags, Floats, Numbers
+from ...arrays import Flags, Floats, Numbers, expand_counts
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
@@ -258,8 +258,7 @@ def _laid_out(
     counts = np.maximum(np.ceil((high - low + 2.0 * margin - width) / step_x), 0.0) + 1.0
     refuse_too_many(flown + float(counts.sum()), mission.output.max_images)
     per_row = counts.astype(np.int64)
-    row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
-    column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
+    row, column = expand_counts(per_row)
     left = ((low + high) / 2.0)[row] + (column - (per_row[row] - 1) / 2.0) * step_x - width / 2.0
     bottom = (tops - height)[row]
     keep = touching(shape, left - margin, bottom - margin, left + width + margin, bottom + height + margin)

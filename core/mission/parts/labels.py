@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...errors import InvalidInput
-from ...fields import CheckedFields, declared
+from ...fields import CheckedFields, declared, is_plain
 
 
 def _check_labels(layers: tuple[Any, ...]) -> None:
     for one in layers:
-        if not isinstance(one, str) or not one or one != one.strip() or not one.isprintable():
+        if not (one and is_plain(one)):
             raise InvalidInput(
                 "labels {0!r}: must be a file, FILE:FIELD, FILE:LAYER or FILE:LAYER:FIELD", one, field="labels"
             )
@@ -20,7 +20,7 @@ def _check_labels(layers: tuple[Any, ...]) -> None:
 
 
 def _check_order(name: str) -> None:
-    if name != name.strip() or not name.isprintable():
+    if not is_plain(name):
         raise InvalidInput(
             "label order {0!r}: must be the name of a field, without spaces around it", name, field="label_order"
         )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...errors import InvalidInput
-from ...fields import CheckedFields, declared, field_named
+from ...fields import CheckedFields, declared, field_named, is_plain
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ...map_types import ROADMAP, SATELLITE, TERRAIN
 from ...numbers import NUMBER
@@ -36,13 +36,13 @@ def _check_source(text: str) -> None:
 
 
 def _check_date(text: str) -> None:
-    if text != text.strip() or not text.isprintable():
+    if not is_plain(text):
         raise InvalidInput("date {0!r}: must be text without spaces around it, such as 2024-06-21", text, field="date")
 
 
 def _check_bands(bands: tuple[Any, ...]) -> None:
     for one in bands:
-        if not isinstance(one, str) or not one or one != one.strip() or not one.isprintable():
+        if not (one and is_plain(one)):
             raise InvalidInput("band {0!r}: must be a name or a number", one, field="bands")
     if len(set(bands)) != len(bands):
         raise InvalidInput("bands {0}: each may be named once", " ".join(bands), field="bands")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...errors import InvalidInput, Message, OptionName
-from ...fields import CheckedFields, declared
+from ...fields import CheckedFields, declared, is_plain
 from ...geodesy.vertical import check_vertical
 
 #: Heights of the ground, metres: the deepest ocean trench and Everest, with room for the geoid.
@@ -19,20 +19,20 @@ FILL, INTERPOLATE, REFUSE = "fill", "interpolate", "refuse"
 
 def _check_heights(sources: tuple[Any, ...]) -> None:
     for one in sources:
-        if not isinstance(one, str) or not one or one != one.strip() or not one.isprintable():
+        if not (one and is_plain(one)):
             raise InvalidInput("heights {0!r}: must be a file, terrarium, world or a number", one, field="elevation")
 
 
 def _check_buildings(files: tuple[Any, ...]) -> None:
     for one in files:
-        if not isinstance(one, str) or not one or one != one.strip() or not one.isprintable():
+        if not (one and is_plain(one)):
             raise InvalidInput("buildings {0!r}: must be a file, or FILE:LAYER", one, field="buildings")
     if len(set(files)) != len(files):
         raise InvalidInput("buildings {0}: each file may be named once", ", ".join(files), field="buildings")
 
 
 def _check_height_field(name: str) -> None:
-    if name != name.strip() or not name.isprintable():
+    if not is_plain(name):
         raise InvalidInput(
             "height field {0!r}: must be the name of a field, without spaces around it",
             name,

@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...arrays import Floats, NDArray, Numbers
+from ...arrays import Floats, NDArray, Numbers, expand_counts
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.projections import LocalPlane
 from ...geodesy.raytracing.surface import Surface
@@ -207,9 +207,8 @@ class TiledPathGround(ReliefPathGround):
 def _pieces(x: Floats, y: Floats) -> tuple[Numbers, Floats, Numbers]:
     """Pieces of legs between points (n,) of a plane: leg and start (share of the leg) of each, and count per leg."""
     pieces = np.maximum(np.ceil(np.hypot(np.diff(x), np.diff(y)) / _PIECE_M), 1.0).astype(np.int64)
-    leg = np.repeat(np.arange(len(pieces)), pieces)
-    begin = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
-    return leg, begin, pieces
+    leg, number = expand_counts(pieces)
+    return leg, number / pieces[leg], pieces
 
 
 def _crossings(column: Floats, row: Floats) -> tuple[Numbers, Floats]:
@@ -223,8 +222,8 @@ def _crossings(column: Floats, row: Floats) -> tuple[Numbers, Floats]:
         low, high = np.minimum(at[:-1], at[1:]), np.maximum(at[:-1], at[1:])
         first = np.floor(low).astype(np.int64) + 1
         number = np.maximum(np.ceil(high).astype(np.int64) - first, 0)
-        piece = np.repeat(np.arange(count), number)
-        line = np.arange(len(piece)) - np.repeat(np.cumsum(number) - number, number) + first[piece]
+        piece, line = expand_counts(number)
+        line = line + first[piece]
         pieces.append(piece)
         shares.append((line - at[piece]) / (at[piece + 1] - at[piece]))
     piece, share = np.concatenate(pieces), np.clip(np.concatenate(shares), 0.0, 1.0)

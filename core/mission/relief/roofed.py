@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import Floats, Numbers
+from ...arrays import Floats, Numbers, expand_counts
 from ...geodesy.ellipsoid import positions
 from ...geodesy.local import enu_axes, geocentric
 from ...geodesy.raytracing.surface import Surface
@@ -121,8 +121,7 @@ def _box_pixels(boxes: Numbers) -> tuple[Numbers, Numbers, Numbers]:
     """Numbers of boxes (4, n), and rows and columns of the pixels in them."""
     left, top, right, bottom = boxes
     counts = (right - left) * (bottom - top)
-    one = np.repeat(np.arange(len(counts)), counts)
-    at = np.arange(len(one)) - np.repeat(np.cumsum(counts) - counts, counts)
+    one, at = expand_counts(counts)
     wide = (right - left)[one]
     return one, top[one] + at // wide, left[one] + at % wide
 
