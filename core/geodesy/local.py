@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,6 +67,24 @@ def geocentric(
     level = (normal + height_m) * cos_lat
     up = (normal * (1.0 - ground.e2) + height_m) * sin_lat
     return np.stack(np.broadcast_arrays(level * cos_lon, level * sin_lon, up), axis=-1)
+
+
+@cache
+def _cart() -> Transformer:
+    from pyproj import Transformer
+
+    return Transformer.from_pipeline(
+        "+proj=pipeline +step +proj=cart +ellps=WGS84 +inv +step +proj=unitconvert +xy_in=rad +xy_out=deg"
+    )
+
+
+def geodetic(points_m: Floats) -> tuple[Floats, Floats, Floats]:
+    """Latitudes, longitudes in degrees and heights above WGS 84 of geocentric coordinates (..., 3), through PROJ.
+
+    Within 1e-6 m up to heights of 9 km.
+    """
+    lon, lat, height = through_proj(_cart().transform, *np.moveaxis(points_m, -1, 0))
+    return lat, lon, height
 
 
 def enu_axes(lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:

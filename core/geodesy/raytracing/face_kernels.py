@@ -2,8 +2,126 @@
 
 from __future__ import annotations
 
+import math
+
 from ...arrays import Floats, Numbers
 from ...external.compiling import compiled
+
+
+@compiled
+def _widen(ends: Floats, depth: float, x: float, y: float) -> None:
+    """Widen the box (least x, greatest x, least y, greatest y) of image points by that of a corner."""
+    x, y = x / depth, y / depth
+    ends[0], ends[1] = min(ends[0], x), max(ends[1], x)
+    ends[2], ends[3] = min(ends[2], y), max(ends[3], y)
+
+
+@compiled
+def _fill_ends(at: Floats, near: float, ends: Floats) -> None:
+    """Box of a triangle's image; what lies before the least depth ``near`` is cut off.
+
+    at : array (3, 3)
+        Depth, x and y of each corner, x and y times the depth.
+    """
+    ends[0] = ends[2] = math.inf
+    ends[1] = ends[3] = -math.inf
+    for k in range(3):
+        one, other = at[k], at[(k + 1) % 3]
+        if one[0] > near:
+            _widen(ends, one[0], one[1], one[2])
+        if (one[0] > near) != (other[0] > near):
+            share = (near - one[0]) / (other[0] - one[0])
+            _widen(ends, near, one[1] + share * (other[1] - one[1]), one[2] + share * (other[2] - one[2]))
+
+
+@compiled
+def _fill_cross(one: Floats, other: Floats, product: Floats) -> None:
+    """Cross product; of swapped factors it is exactly opposite."""
+    product[0] = one[1] * other[2] - one[2] * other[1]
+    product[1] = one[2] * other[0] - one[0] * other[2]
+    product[2] = one[0] * other[1] - one[1] * other[0]
+
+
+@compiled
+def _dot(one: Floats, other: Floats) -> float:
+    """Inner product."""
+    value: float = one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+    return value
+
+
+@compiled
+def _end(value: float, size: float) -> int:
+    """Column or row within an image."""
+    return int(min(max(value, 0.0), size))
+
+
+@compiled
+def outlines(
+    corners_m: Floats,
+    frame: Floats,
+    limits: Floats,
+    seen: Numbers,
+    boxes: Numbers,
+    forms: Floats,
+    side: Floats,
+    scratch: Floats,
+) -> int:
+    """Fill indices, boxes, forms and sides of the triangles that pixels may see; see `faces._outlines`.
+
+    Parameters
+    ----------
+    corners_m : array (n, 3, 3)
+    frame : array (7, 3)
+        Position of the camera; rays by constant, column and row; the inverse matrix of the rays.
+    limits : array (4,)
+        Columns, rows, least depth, and by which share boxes are wider.
+    seen, boxes, forms, side : array (n,), (n, 4), (n, 4, 3), (n,)
+        Filled from the front.
+    scratch : array (10, 4)
+
+    Returns
+    -------
+    int
+        How many may be seen.
+    """
+    wide, high, near, wider = limits
+    at, from_camera, normal, edges, ends = scratch[:3], scratch[3:6], scratch[6], scratch[7:9], scratch[9]
+    count = 0
+    for one in range(len(corners_m)):
+        for k in range(3):
+            for axis in range(3):
+                from_camera[k, axis] = corners_m[one, k, axis] - frame[0, axis]
+            for term in range(3):
+                at[k, term] = _dot(from_camera[k], frame[4:, term])
+        if max(at[0, 0], at[1, 0], at[2, 0]) <= near:
+            continue
+        _fill_ends(at, near, ends)
+        slack_x, slack_y = (
+            wider * (abs(ends[0]) + abs(ends[1]) + wide),
+            wider * (abs(ends[2]) + abs(ends[3]) + high),
+        )
+        left, right = _end(math.ceil(ends[0] - slack_x - 0.5), wide), _end(math.floor(ends[1] + slack_x + 0.5), wide)
+        top, bottom = _end(math.ceil(ends[2] - slack_y - 0.5), high), _end(math.floor(ends[3] + slack_y + 0.5), high)
+        if left >= right or top >= bottom:
+            continue
+        for axis in range(3):
+            edges[0, axis] = from_camera[1, axis] - from_camera[0, axis]
+            edges[1, axis] = from_camera[2, axis] - from_camera[0, axis]
+        _fill_cross(edges[0], edges[1], normal)
+        depth = _dot(normal, from_camera[0])
+        if depth == 0.0:
+            continue
+        sign = 1.0 if depth > 0.0 else -1.0
+        for term in range(3):
+            forms[count, 3, term] = _dot(normal, frame[1 + term]) * (1.0 / depth)
+        for k in range(3):
+            _fill_cross(from_camera[k], from_camera[(k + 1) % 3], normal)
+            for term in range(3):
+                forms[count, k, term] = _dot(normal, frame[1 + term]) * sign
+        seen[count], side[count] = one, -sign
+        boxes[count, 0], boxes[count, 1], boxes[count, 2], boxes[count, 3] = left, top, right, bottom
+        count += 1
+    return count
 
 
 @compiled
@@ -30,3 +148,36 @@ def draw(forms: Floats, boxes: Numbers, nearness: Floats, triangle: Numbers) -> 
                     value = near + x * f[3, 1]
                     if value > nearness[row, column]:
                         nearness[row, column], triangle[row, column] = value, one
+
+
+@compiled
+def on_map(
+    forms: Floats, which: Numbers, row: Numbers, column: Numbers, t: Floats, most_steps: Floats, found: Floats
+) -> None:
+    """Fill the places of pixels (n,) on the map, and their steps along columns and rows.
+
+    Parameters
+    ----------
+    forms : array (k, 3, 3)
+        Of each face, both fractions of the world times the third line, by constant, column and row.
+    which : array (n,)
+        Face of each pixel.
+    t : array (height, width)
+        Distances along the image's rays.
+    most_steps : array (2,)
+        Greatest steps along columns and rows, for each unit of ``t``.
+    found : array (6, n)
+        Both fractions, their steps along columns, and along rows.
+    """
+    for one in range(len(which)):
+        form = forms[which[one]]
+        x, y, away = column[one] + 0.5, row[one] + 0.5, t[row[one], column[one]]
+        whole = form[2, 0] + x * form[2, 1] + y * form[2, 2]
+        for axis in range(2):
+            found[axis, one] = (form[axis, 0] + x * form[axis, 1] + y * form[axis, 2]) / whole
+        for term in range(1, 3):
+            u = (form[0, term] - found[0, one] * form[2, term]) / whole
+            v = (form[1, term] - found[1, one] * form[2, term]) / whole
+            length, most = math.sqrt(u * u + v * v), most_steps[term - 1] * away
+            share = most / length if length > most else 1.0
+            found[2 * term, one], found[2 * term + 1, one] = share * u, share * v

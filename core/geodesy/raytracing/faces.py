@@ -66,23 +66,47 @@ def face_hits(triangles: Triangles, camera_m: Floats, axes: Floats, rays: PixelR
         Its axes east, north and up in the Earth's frame, as rows; the rays are in these.
     """
     ways = np.stack(rays[:3]) @ axes
-    corners = triangles.corners_m - camera_m
-    boxes = _boxes(corners, ways, rays)
-    seen = np.flatnonzero((boxes[:, 0] < boxes[:, 2]) & (boxes[:, 1] < boxes[:, 3]))
-    forms, side = _forms(corners[seen], ways)
-    is_face = side != 0.0
-    seen, forms, side = seen[is_face], forms[is_face], side[is_face]
+    seen, boxes, forms, side = (_compiled_outlines if uses_numba() else _outlines)(triangles, camera_m, ways, rays)
     if not len(seen):
         return FaceHits.none(rays)
     nearness, triangle = np.zeros((rays.height, rays.width)), np.full((rays.height, rays.width), -1, np.int64)
     if uses_numba():
         from .face_kernels import draw
 
-        draw(forms, boxes[seen], nearness, triangle)
+        draw(forms, boxes, nearness, triangle)
     else:
-        _draw(forms, boxes[seen], nearness, triangle)
+        _draw(forms, boxes, nearness, triangle)
     with np.errstate(divide="ignore"):
         return FaceHits(1.0 / nearness, triangle, triangles.take(seen), forms, side)
+
+
+def _outlines(
+    triangles: Triangles, camera_m: Floats, ways: Floats, rays: PixelRays
+) -> tuple[Numbers, Numbers, Floats, Floats]:
+    """Indices of the triangles that pixels may see, with their boxes (n, 4), forms (n, 4, 3) and sides (n,)."""
+    corners = triangles.corners_m - camera_m
+    boxes = _boxes(corners, ways, rays)
+    seen = np.flatnonzero((boxes[:, 0] < boxes[:, 2]) & (boxes[:, 1] < boxes[:, 3]))
+    forms, side = _forms(corners[seen], ways)
+    is_face = side != 0.0
+    seen = seen[is_face]
+    return seen, boxes[seen], forms[is_face], side[is_face]
+
+
+def _compiled_outlines(
+    triangles: Triangles, camera_m: Floats, ways: Floats, rays: PixelRays
+) -> tuple[Numbers, Numbers, Floats, Floats]:
+    """`_outlines` by numba: the same forms and sides; boxes may differ within their slack."""
+    from .face_kernels import outlines
+
+    n = len(triangles)
+    seen, boxes, forms, side = np.empty(n, np.int64), np.empty((n, 4), np.int64), np.empty((n, 4, 3)), np.empty(n)
+    limits = np.array([rays.width, rays.height, _NEAR, _WIDER])
+    frame = np.ascontiguousarray(np.stack([camera_m, *ways, *np.linalg.inv(ways)]))
+    count = outlines(
+        np.ascontiguousarray(triangles.corners_m), frame, limits, seen, boxes, forms, side, np.empty((10, 4))
+    )
+    return seen[:count], boxes[:count], forms[:count], side[:count]
 
 
 def _forms(corners: Floats, ways: Floats) -> tuple[Floats, Floats]:

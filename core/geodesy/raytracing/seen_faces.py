@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Flags, Floats, NDArray, Numbers
+from ...external.compiling import uses_numba
 from ..ellipsoid import positions
-from ..local import enu_axes, geocentric
+from ..local import enu_axes, geodetic
 from ..mercator import PixelGrid
 from ..view import Samples, plane_samples
 from .faces import FaceHits
@@ -16,6 +17,7 @@ from .surface import PixelRays
 
 #: Most ground that a pixel's sample steps over, in pixels of a face across the ray: as for relief.
 _MOST_STEP = 50.0
+_TINY = float(np.finfo(float).tiny)
 
 
 class Painted(NamedTuple):
@@ -29,7 +31,7 @@ class Painted(NamedTuple):
     colour : array (k, 3) of uint8
         Without light.
     normals : array (k, 3)
-        Unit vectors that face the camera, in east, north and up at the face.
+        Unit vectors that face the camera, in its east, north and up.
     """
 
     row: Numbers
@@ -70,20 +72,12 @@ class SeenFaces(NamedTuple):
         at_lat, dlon, at_height = positions(np.array(lat), np.array(height), offsets)
         return at_lat, lon + dlon, at_height
 
-    def normals(self, triangle: Numbers, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Unit normals (n, 3) of triangles that face the camera, in east, north and up at positions."""
+    def normals(self, triangle: Numbers) -> Floats:
+        """Unit normals (n, 3) of triangles that face the camera, in geocentric axes."""
         one, two, three = np.moveaxis(self.hits.triangles.corners_m[triangle], 1, 0)
-        normal = np.cross(two - one, three - one) * self.hits.side[triangle, np.newaxis]
+        normal: Floats = np.cross(two - one, three - one) * self.hits.side[triangle, np.newaxis]
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        found: Floats = np.einsum("nij,nj->ni", enu_axes(lat_deg, lon_deg), normal)
-        return found
-
-    def _places(self, points_m: Floats) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes, continuous with the camera's, of geocentric points (n, 3)."""
-        lat, lon, height = self.place
-        offsets = (points_m - geocentric(*self.place)) @ enu_axes(lat, lon).T
-        at_lat, dlon, _ = positions(np.array(lat), np.array(height), offsets)
-        return at_lat, lon + dlon
+        return normal
 
     def _distinct(self, triangle: Numbers) -> tuple[Numbers, Numbers]:
         """Indices of triangles, each once, and the place of each pixel's (n,) among them."""
@@ -95,9 +89,8 @@ class SeenFaces(NamedTuple):
         """Pixels that see faces which the imagery does not show."""
         some = ~self.is_shown
         faces, which = self._distinct(self.triangle[some])
-        lat, lon = self._places(self.hits.triangles.corners_m[faces, 0])
-        colour = self.hits.triangles.colour[faces]
-        return Painted(self.row[some], self.column[some], which, colour, self.normals(faces, lat, lon))
+        normals = self.normals(faces) @ enu_axes(*self.place[:2]).T
+        return Painted(self.row[some], self.column[some], which, self.hits.triangles.colour[faces], normals)
 
     def samples(self, grid: PixelGrid, zooms: tuple[int, int]) -> list[Samples]:
         """Samples of the pixels whose faces the imagery shows; positions count from the camera's meridian.
@@ -108,30 +101,46 @@ class SeenFaces(NamedTuple):
         row, column, triangle = self.row[some], self.column[some], self.triangle[some]
         if not len(row):
             return []
-        place, steps = self._on_map(grid, row, column, triangle)
-        known = np.isfinite(place).all(axis=0)
-        du, v = place[:, known]
-        across, down = (step[:, known] for step in steps)
-        return plane_samples(row[known], column[known], (du, v), (tuple(across), tuple(down)), grid, zooms)
+        found = self._on_map(grid, row, column, triangle)
+        known = np.isfinite(found[:2]).all(axis=0)
+        if not known.all():
+            row, column, found = row[known], column[known], found[:, known]
+        du, v, across_u, across_v, down_u, down_v = found
+        return plane_samples(row, column, (du, v), ((across_u, across_v), (down_u, down_v)), grid, zooms)
 
-    def _on_map(self, grid: PixelGrid, row: Numbers, column: Numbers, triangle: Numbers) -> tuple[Floats, list[Floats]]:
-        """Fractions (2, n) of the world at pixels, and by how much they change along columns and rows."""
+    def _on_map(self, grid: PixelGrid, row: Numbers, column: Numbers, triangle: Numbers) -> Floats:
+        """Fractions of the world at pixels, and by how much they change along columns and rows; (6, n)."""
         faces, which = self._distinct(triangle)
-        u, v = grid.plane.forward(*self._places(self.hits.triangles.corners_m[faces].reshape(-1, 3)))
-        corners = np.stack([u - float(grid.meridian_u(np.asarray(self.place[1]))), v]).reshape(2, -1, 3)
+        meridian = self.place[1]
+        lat, lon, _ = geodetic(self.hits.triangles.corners_m[faces])
+        u, v = grid.plane.forward(lat, meridian + (lon - meridian + 180.0) % 360.0 - 180.0)
+        corners = np.stack([u - float(grid.meridian_u(np.asarray(meridian))), v])
         # Edge functions are for the edges from the first, second and third corner: weights of the one opposite.
         weights = self.hits.forms[faces][:, [1, 2, 0]]
-        sums = weights.sum(axis=1)
-        forms = np.stack([*np.einsum("afc,fcd->afd", corners, weights), sums])
-        x, y = column + 0.5, row + 0.5
-        at_u, at_v, whole = (form[which, 0] + x * form[which, 1] + y * form[which, 2] for form in forms)
-        place = np.stack([at_u, at_v]) / whole
-        steps = []
-        most_px = _MOST_STEP / float(
-            grid.ground_m_per_px(np.array(self.place[0]), np.array(self.place[1]), grid.native_zoom)
-        )
-        for term, per in ((1, self.rays.per_x), (2, self.rays.per_y)):
-            step = (forms[:2, which, term] - place * forms[2, which, term]) / whole
-            most = most_px / grid.world_px(grid.native_zoom) * float(np.linalg.norm(per)) * self.hits.t[row, column]
-            steps.append(step * np.minimum(1.0, most / np.maximum(np.hypot(*step), np.finfo(float).tiny)))
-        return place, steps
+        forms = np.stack([*np.einsum("afc,fcd->afd", corners, weights), weights.sum(axis=1)], axis=1)
+        most = _MOST_STEP / float(grid.ground_m_per_px(np.array(self.place[0]), np.array(meridian), grid.native_zoom))
+        most /= grid.world_px(grid.native_zoom)
+        most_steps = np.array([most * float(np.linalg.norm(per)) for per in self.rays[1:3]])
+        found = np.empty((6, len(row)))
+        if uses_numba():
+            from .face_kernels import on_map
+
+            on_map(forms, which, row, column, self.hits.t, most_steps, found)
+        else:
+            _on_map(forms, which, (row, column), self.hits.t[row, column], most_steps, found)
+        return found
+
+
+def _on_map(
+    forms: Floats, which: Numbers, pixels: tuple[Numbers, Numbers], t: Floats, most_steps: Floats, found: Floats
+) -> None:
+    """`face_kernels.on_map` in numpy."""
+    y, x = (at + 0.5 for at in pixels)
+    lines = [[np.take(forms[:, at, term], which) for term in range(3)] for at in range(3)]
+    u, v, whole = (constant + x * per_x + y * per_y for constant, per_x, per_y in lines)
+    found[:2] = u / whole, v / whole
+    for term, most in enumerate(most_steps.tolist(), 1):
+        step = [(lines[at][term] - found[at] * lines[2][term]) / whole for at in range(2)]
+        length = np.sqrt(step[0] * step[0] + step[1] * step[1])
+        share = np.minimum(most * t / np.maximum(length, _TINY), 1.0)
+        found[2 * term : 2 * term + 2] = share * step[0], share * step[1]

@@ -245,9 +245,11 @@ class Tracing:
             end_m = end_m if end_m < last_m else np.inf
             at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), self._points(begin_m, end_m))
             found = self.faces.triangles(at_lat, lon + dlon, _LEAST_PX * pixel * begin_m)
-            # What lies nearer has been asked for before.
-            offsets = found.corners_m - geocentric(lat, lon, self.height_m)
-            yield found.take((np.einsum("nij,nij->ni", offsets, offsets) > begin_m * begin_m).any(axis=1))
+            if begin_m > 0.0:
+                # What lies nearer has been asked for before.
+                offsets = found.corners_m - geocentric(lat, lon, self.height_m)
+                found = found.take((np.einsum("nij,nij->ni", offsets, offsets) > begin_m * begin_m).any(axis=1))
+            yield found
             begin_m, end_m = end_m, 2.0 * end_m
 
     @cached_property
@@ -479,7 +481,8 @@ class Tracing:
         if (faces := self._seen_faces) is not None:
             pixels, triangle, hit = (faces.row, faces.column), faces.triangle, faces.hits.triangles
             found.lat_deg[pixels], found.lon_deg[pixels], found.height_m[pixels] = faces.points()
-            found.normals[pixels] = faces.normals(triangle, found.lat_deg[pixels], found.lon_deg[pixels])
+            axes = enu_axes(found.lat_deg[pixels], found.lon_deg[pixels])
+            found.normals[pixels] = np.einsum("nij,nj->ni", axes, faces.normals(triangle))
             found.depth_m[pixels], found.steep[pixels] = faces.t, ~faces.is_shown
             found.kind[pixels], found.instance[pixels] = hit.kind[triangle], hit.instance[triangle]
         return found

@@ -127,6 +127,16 @@ def test_numpy_gives_the_same_pixels(town, tilt_deg):
         wanted = plainly._face_hits
     assert np.array_equal(found.t, wanted.t)
     assert np.array_equal(found.triangle, wanted.triangle)
+    assert np.array_equal(found.forms, wanted.forms)
+    assert np.array_equal(found.side, wanted.side)
+    parts = made._seen_faces.samples(GRID, ZOOMS)
+    with compiling.without_numba():
+        others = made._seen_faces.samples(GRID, ZOOMS)
+    for part, other in zip(parts, others):
+        assert np.array_equal(part.row, other.row)
+        assert part.du == pytest.approx(other.du, abs=1e-6 / GRID.world_px(22))
+        assert part.v == pytest.approx(other.v, abs=1e-6 / GRID.world_px(22))
+    assert len(parts) == len(others)
 
 
 def corners_px(made, points_m):

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.geodesy.camera import attitude_from_axes, image_axes
-from terrainav.core.geodesy.local import LocalFrame, enu_axes
+from terrainav.core.geodesy.local import LocalFrame, enu_axes, geodetic
 
 
 def geocentric(lat_deg: float, lon_deg: float, height_m: float) -> np.ndarray:
@@ -59,3 +59,9 @@ def test_attitudes_are_those_that_made_the_axes(yaw, tilt, roll):
     for axes, own in zip(image_axes(*found), image_axes(yaw, tilt, roll)):
         assert np.abs(axes - own).max() < 1e-12
     assert abs(found[1] - tilt) < 1e-9
+
+
+@given(lat=latitudes, lon=longitudes, height=st.floats(-500.0, 9000.0))
+def test_geodetic_positions_are_those_whose_geocentric_coordinates_were_given(lat, lon, height):
+    found = geodetic(geocentric(lat, lon, height)[np.newaxis])
+    assert np.abs(geocentric(*(float(one[0]) for one in found)) - geocentric(lat, lon, height)).max() < 1e-6
