@@ -23,6 +23,7 @@ from ..dataset.dataset import open_image
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.ellipsoid import WGS84, sight_lines
 from ..geodesy.footprint import exact
+from ..geodesy.interpolation import Interpolation
 from .answers import Answer, Locate, Query
 from .folder import Benchmark, ReferenceMosaic
 
@@ -244,7 +245,7 @@ class _Sight(NamedTuple):
         if min(wide, high) < 4 or wide > mosaic.width_px / step or high > mosaic.height_px / step:
             return None
         # Lines of sight to the ground are smooth along the map, unlike what an image shows of them.
-        columns_of, rows_of = _Interpolation.along(wide), _Interpolation.along(high)
+        columns_of, rows_of = Interpolation.along(wide, 8), Interpolation.along(high, 8)
         across, down = np.meshgrid(left + columns_of.nodes, top + rows_of.nodes)
         lat, lon = mosaic.ground(across * float(step), down * float(step))
         dlon = lon - lon_deg
@@ -256,32 +257,6 @@ class _Sight(NamedTuple):
         camera = float(camera_at[0]) / step - left, float(camera_at[1]) / step - top
         centre = float(columns[4]) - left, float(rows[4]) - top
         return _Patch((points * (1.0, -1.0) + 1.0) / 2.0, mask, left, top, camera, centre)
-
-
-class _Interpolation(NamedTuple):
-    """Polynomial through Chebyshev nodes of a side, evaluated at the middles of its pixels.
-
-    Attributes
-    ----------
-    nodes : array (k,)
-        Px from the side's begin.
-    weights : array (n, k)
-        Weights of the values at the nodes for each pixel.
-    """
-
-    nodes: Floats
-    weights: Floats
-
-    @classmethod
-    def along(cls, length: int) -> _Interpolation:
-        """Interpolation along a side of ``length`` pixels."""
-        # Chebyshev polynomials of degrees 0 to 7 at their nodes, and at the middles of pixels.
-        degrees = np.arange(8.0)
-        nodes = np.cos((degrees + 0.5) * math.pi / 8.0)
-        middles = (2.0 * np.arange(length) + 1.0) / length - 1.0
-        at_nodes, at_middles = (np.cos(np.outer(np.arccos(at), degrees)) for at in (nodes, middles))
-        weights: Floats = np.matmul(at_middles, np.linalg.inv(at_nodes))
-        return cls((nodes + 1.0) / 2.0 * length, weights)
 
 
 def _template(picture: Image.Image, view: _Patch) -> Floats:

@@ -18,6 +18,7 @@ In reading order:
 - `quaternions`: unit quaternions and rotations
 - `frames`: map frames, rectangles of whole source pixels
 - `rectangles`: the largest rectangles inside the ground that cameras see
+- `interpolation`: polynomials along the sides of images
 - `accuracy`: error bounds of each method, in closed form
 - `view`: camera frames, and the source pixels that each part is made of
 - `covered`: the tiles under samples, compiled

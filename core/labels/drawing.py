@@ -9,7 +9,7 @@ from ..external.compiling import uses_numba
 from .pieces import Pieces
 
 #: Sides of the tiles of pixels that share the choice of pieces and edges: small for compiled code.
-_TILE_PX, _NUMPY_TILE_PX = 32, 64
+_TILE_PX, _NUMPY_TILE_PX = 16, 64
 
 
 def topmost(pieces: Pieces, x: Floats, y: Floats) -> Numbers:

@@ -12,6 +12,7 @@ from ..arrays import Floats, NDArray
 from ..bands import Bands
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.ellipsoid import WGS84, sight_lines
+from ..geodesy.interpolation import Interpolation
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.raytracing.tracing import Sighting, power_of_two, relief_normals
 from ..geodesy.triangles import RELIEF
@@ -33,6 +34,8 @@ BANDS = {
 _DEGREES = DegreePlane()
 #: Pixels whose ground is computed together.
 _STRIP_PX = 1 << 14
+#: Nodes of the polynomials that hold level ground along each side of an image.
+_NODES = 12
 
 
 def products(
@@ -102,7 +105,7 @@ def _labels(
         lat, lon = plan.grid.plane.inverse(u[at], v[at])
         return labels.draw(plan.grid.plane, u, v, _widened(GroundBox.around(lat, lon)))
     if seen is None:
-        lat, dlon = _level_ground(plan, index, size_px)
+        lat, dlon = _near_level_ground(plan, index, size_px)
         lon = float(plan.lon_deg[index]) + dlon
     else:
         lat, lon = seen.lat_deg, seen.lon_deg
@@ -146,10 +149,13 @@ def _sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | 
     return _level_sighting(plan, index, size_px)
 
 
+def _digit_m(plan: Plan, index: int, size_px: tuple[int, int]) -> float:
+    """1/8192 of a pixel on the ground, metres; further digits are noise."""
+    return plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px)) * 2.0**-13
+
+
 def _settled(plan: Plan, index: int, size_px: tuple[int, int], seen: Sighting) -> Sighting:
-    pixel_m = plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px))
-    # Round to 1/8192 of a pixel on the ground; further digits are noise.
-    metre = power_of_two(pixel_m * 2.0**-13)
+    metre = power_of_two(_digit_m(plan, index, size_px))
     degree = power_of_two(math.degrees(metre / WGS84.a_m))
     return seen._replace(
         depth_m=_rounded(seen.depth_m, metre),
@@ -186,6 +192,41 @@ def _level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Flo
         strip = slice(top, min(top + rows, height))
         seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(strip.start, strip.stop) + 0.5))
         lat[strip], dlon[strip] = seen.lat_deg, seen.dlon_deg
+    return lat, dlon
+
+
+def _near_level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Floats, Floats]:
+    """`_level_ground` within 1/8192 of a pixel, in a sixth of its time.
+
+    Over a plane, offsets from the camera's position times the depth of rays are linear in pixels. The Earth bends them
+    little, so polynomials hold them, unless the image reaches towards the horizon.
+    """
+    (width, height), pose = size_px, plan.poses.take(np.array([index]))
+    rays = ImageRays.from_scene(ImageGeometry(plan.mission.camera, width, height, pose, plan.ground))
+    across, down = (Interpolation.along(length, _NODES) for length in size_px)
+    seen = rays.ground(*np.meshgrid(across.nodes, down.nodes))
+    lat_deg = float(pose.lat_deg[0])
+    most_deg = math.degrees(_digit_m(plan, index, size_px) / WGS84.a_m)
+    fall = -rays.directions(*np.meshgrid(across.nodes, down.nodes))[..., 2]
+    depth = -rays.directions(np.arange(width) + 0.5, np.arange(height)[:, np.newaxis] + 0.5)[..., 2]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        offsets = [
+            down.weights @ (at * fall) @ across.weights.T / depth for at in (seen.lat_deg - lat_deg, seen.dlon_deg)
+        ]
+    lat, dlon = lat_deg + offsets[0], offsets[1]
+    # Polynomials are worst at the image's edges.
+    for row, column in (
+        (np.array([[0], [height - 1]]), np.arange(width)),
+        (np.arange(height)[:, np.newaxis], np.array([0, width - 1])),
+    ):
+        edge = rays.ground(column + 0.5, row + 0.5)
+        off = np.maximum(
+            np.abs(edge.lat_deg - lat[row, column]),
+            np.abs(edge.dlon_deg - dlon[row, column]) * math.cos(math.radians(lat_deg)),
+        )
+        # NaN is no ground.
+        if not (off < most_deg).all():
+            return _level_ground(plan, index, size_px)
     return lat, dlon
 
 

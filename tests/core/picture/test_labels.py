@@ -25,7 +25,7 @@ from terrainav.core.mission.parts import Terrain
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture import labels as opening
 from terrainav.core.picture.heights import absolute_terrain
-from terrainav.core.picture.products import products, sighting
+from terrainav.core.picture.products import _near_level_ground, products, sighting
 
 from tests.core.geodesy.boxes import LAT, LON, METRE_LAT, METRE_LON, Boxes
 from tests.core.picture.test_faces import GROUND_M, files, planned, size_of  # noqa: F401
@@ -183,3 +183,18 @@ def test_a_layer_without_reference_system_is_refused(tmp_path):
     assert "\n" not in str(refused.value)
     assert refused.value.field == "labels"
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("lat_deg", [0.0, -33.0, 71.0])
+@pytest.mark.parametrize("agl_m", [80.0, 20_000.0])
+@pytest.mark.parametrize("tilt_deg", [0.0, 30.0, 55.0, 70.0])
+def test_level_ground_of_labels_is_within_a_thousandth_of_a_pixel(lat_deg, agl_m, tilt_deg):
+    camera = Camera(60.0, 4.0 / 3.0)
+    mission = Mission(Points(((lat_deg, 11.0, agl_m),)), agl_m, camera, tilt_deg=tilt_deg, yaw_deg=25.0, frame="camera")
+    made = plan(mission, named_source("world").grid)
+    lat, dlon = _near_level_ground(made, 0, (320, 240))
+    exact = sighting(made, 0, (320, 240))
+    assert np.array_equal(np.isnan(lat), np.isnan(exact.lat_deg))
+    metre = 180.0 / np.pi / 6_371_000.0
+    off = np.hypot(lat - exact.lat_deg, (dlon + made.lon_deg[0] - exact.lon_deg) * np.cos(np.radians(lat_deg)))
+    assert np.nanmax(off) < 1e-3 * metre * camera.gsd_m_per_px(agl_m, 320)
