@@ -23,7 +23,8 @@ BACKGROUND = 0
 MOST_IN_8_BITS, MOST_IN_16_BITS = 254, 65_534
 #: Ending of the file beside a layer's file that gives its values ids, names and colours.
 SIDE_FILE = ".classes.json"
-_MOST_SIDE_BYTES = 16 << 20
+#: Largest table of classes that is read: 65,534 with names of some hundred characters.
+MAX_CLASSES_BYTES = 16 << 20
 #: Colours that the colour-blind can tell apart (Okabe and Ito, 2008), without black.
 _COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")
 _BACKGROUND_COLOUR, _IGNORE_COLOUR = "#000000", "#ffffff"
@@ -239,7 +240,7 @@ def read_side_file(layer_file: Path) -> dict[str, Mapping[str, Any]]:
         which each entry has a value or a name.
     """
     path = layer_file.with_suffix(SIDE_FILE)
-    data = read_existing(path, _MOST_SIDE_BYTES)
+    data = read_existing(path, MAX_CLASSES_BYTES)
     if data is None:
         return {}
     try:
@@ -249,6 +250,29 @@ def read_side_file(layer_file: Path) -> dict[str, Mapping[str, Any]]:
         raise _unread(path, wrong) from wrong
     except (AttributeError, KeyError, TypeError) as wrong:
         raise _unread(path, Message("it must hold a list named classes")) from wrong
+
+
+def read_classes(data: bytes, name: str) -> tuple[LabelClass, ...]:
+    """Classes of the content of a ``classes.json``.
+
+    Parameters
+    ----------
+    data : bytes
+    name : str
+        Path of the file, for messages.
+
+    Raises
+    ------
+    InvalidInput
+        The content is not as `ClassTable.to_json` returns it.
+    """
+    try:
+        found = [_entry(one) for one in parse_json(data)["classes"]]
+        return tuple(LabelClass(one["id"], one["name"], one["color"]) for one in found)
+    except InvalidInput as wrong:
+        raise _unread(name, wrong) from wrong
+    except (AttributeError, KeyError, TypeError) as wrong:
+        raise _unread(name, Message("it must hold a list named classes, with id, name and color")) from wrong
 
 
 def _entry(one: Mapping[str, Any]) -> dict[str, Any]:
@@ -262,5 +286,5 @@ def _entry(one: Mapping[str, Any]) -> dict[str, Any]:
     return {key: one[key] for key in ("id", "name", "color") if key in one}
 
 
-def _unread(path: Path, why: object) -> InvalidInput:
+def _unread(path: Path | str, why: object) -> InvalidInput:
     return InvalidInput("table of classes {0}: {1}", path, why, field="labels")

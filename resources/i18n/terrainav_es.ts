@@ -1734,6 +1734,41 @@
         <translation>{title}, parte {number}</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/dataset/overlay.py"/>
+        <source>The labels cannot be read: {reason}</source>
+        <translation>No se pueden leer las etiquetas: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/overlay.py"/>
+        <source>There are no labels (yet).</source>
+        <translation>(Aún) no hay etiquetas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/overlay.py"/>
+        <source>background</source>
+        <translation>fondo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/overlay.py"/>
+        <source>feature {number} of {layer}</source>
+        <translation>elemento {number} de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/overlay.py"/>
+        <source>ignore</source>
+        <translation>ignorar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/overlay.py"/>
+        <source>instance {number}</source>
+        <translation>instancia {number}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/overlay.py"/>
+        <source>{file}: holds no whole numbers from 0</source>
+        <translation>{file}: no contiene números enteros a partir de 0</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/dataset/picture.py"/>
         <source>The depth cannot be read: {reason}</source>
         <translation>No se puede leer la profundidad: {reason}</translation>
@@ -7409,6 +7444,56 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>Tiempo que se muestra cada imagen</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>Background here</source>
+        <translation>Aquí, fondo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>Classes</source>
+        <translation>Clases</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>Instances</source>
+        <translation>Instancias</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>Labels drawn over the image</source>
+        <translation>Etiquetas dibujadas sobre la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>No labels</source>
+        <translation>Sin etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>Opacity of the labels</source>
+        <translation>Opacidad de las etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>Point at the image to see its labels</source>
+        <translation>Señale la imagen para ver sus etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>and {count} more classes</source>
+        <translation>y {count} clases más</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>{count} instances in this image</source>
+        <translation>{count} instancias en esta imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/labels_pane.py"/>
+        <source>{name} {share} %</source>
+        <translation>{name} {share} %</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/results/shots.py"/>
         <source>footprints {path}: have no poses</source>
         <translation>huellas {path}: no tienen poses</translation>
@@ -11483,6 +11568,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/labels/classes.py"/>
         <source>it must hold a list named classes</source>
         <translation>debe contener una lista llamada classes</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
+        <source>it must hold a list named classes, with id, name and color</source>
+        <translation>debe contener una lista llamada classes, con id, name y color</translation>
     </message>
     <message>
         <location filename="../../core/labels/classes.py"/>

@@ -3,6 +3,7 @@
 footprints      spatial and numeric access to the footprints
 shown           images of any bands, as 8 bits
 picture         an image read for display
+overlay         labels over an image
 rectify         camera frames laid on the map
 mosaic          one raster of all images of a run, with overviews
 layers          footprints, mosaics and failed images as layers

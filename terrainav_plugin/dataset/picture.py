@@ -105,15 +105,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
     if data is None and not file_exists(path):
         return None
     try:
-        with _openable(path, data) as name:
-            file = open_image(name)
-            if file is None:
-                raise RuntimeError(gdal.GetLastErrorMsg())
-            band, size = file.GetRasterBand(1), _size(file, longest_px)
-            read, mask = band.ReadAsArray(**size), band.GetMaskBand().ReadAsArray(**size)
-            if read is None or mask is None:
-                raise RuntimeError(gdal.GetLastErrorMsg())
-            del band, file
+        read, mask = read_band(path, longest_px, data)
     except (RuntimeError, InvalidInput) as wrong:
         # The image itself can still be shown.
         problem = tr("The depth cannot be read: {reason}").format(reason=one_line(str(wrong)))
@@ -124,6 +116,27 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
     least, most = (float(there.min()), float(there.max())) if there.size else (np.nan, np.nan)
     span = np.log(most / least) if most > least else 1.0
     return Depth(metres, least, most, _image(np.moveaxis(depth_colours(np.log(metres / least) / span), -1, 0)))
+
+
+def read_band(path: Path, longest_px: int, data: bytes | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Values and mask of a file's first band, reduced to the nearest pixels of the size in which images are read.
+
+    Raises
+    ------
+    RuntimeError, InvalidInput
+        The file cannot be read.
+    """
+    with _openable(path, data) as name:
+        file = open_image(name)
+        if file is None:
+            raise RuntimeError(gdal.GetLastErrorMsg())
+        band, size = file.GetRasterBand(1), _size(file, longest_px)
+        read, mask = band.ReadAsArray(**size), band.GetMaskBand().ReadAsArray(**size)
+        # Release the file before `_openable` removes the memory from which it is read.
+        del band, file
+    if read is None or mask is None:
+        raise RuntimeError(gdal.GetLastErrorMsg())
+    return read, mask
 
 
 def legend_image(width: int) -> QImage:
@@ -202,5 +215,11 @@ def _image(bands: np.ndarray) -> QImage:
     pixels = np.empty((height, width, 4), np.uint8)
     pixels[..., :3] = np.moveaxis(np.broadcast_to(colours, (3, height, width)), 0, -1)
     pixels[..., 3] = bands[-1] if masked else 255
+    return rgba_image(pixels)
+
+
+def rgba_image(pixels: np.ndarray) -> QImage:
+    """Image of pixels (h, w, 4) of uint8."""
+    height, width = pixels.shape[:2]
     # A copy: QImage does not own the array's memory.
     return QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()

@@ -14,12 +14,14 @@ from pathlib import Path, PurePosixPath
 
 from qgis.core import QgsApplication
 
-from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
+from ...core.dataset.folder import CLASSES_FILE, FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
 from ...core.dataset.vectors import checked_geojson
 from ...core.errors import InvalidInput, OutputError
 from ...core.imagery.http.client import NotThere
+from ...core.labels.classes import MAX_CLASSES_BYTES
 from ...core.limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
 from ...core.mission.mission import Mission
+from ...core.mission.parts import LABELLED
 from ...core.storage.files import partial_file, read_limited, write_whole
 from ...core.text.safe_json import parse_json
 from ..foreign import check_driver
@@ -159,6 +161,12 @@ def _copy_mission(store: Store, folder: Path, place: str) -> Mission:
 
 def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on: Progress) -> None:
     """Copy footprints and tables; an unfinished run has no tables yet."""
+    if {*LABELLED} & {*mission.products}:
+        classes = folder / place / CLASSES_FILE
+        try:
+            write_whole(classes, store.pieces(place + CLASSES_FILE, most_bytes=MAX_CLASSES_BYTES))
+        except NotThere:
+            classes.unlink(missing_ok=True)
     if not place and can_read() and _take_items(store, folder, mission, go_on):
         return
     pieces = store.pieces(place + FOOTPRINTS_FILE, lambda share: go_on(_FOOTPRINTS_SHARE * share))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import closing
 from pathlib import Path, PurePosixPath
+from tarfile import TarInfo
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -27,6 +29,8 @@ _KEPT_BYTES = 128 << 20
 _NOTES = ".aux.xml"
 _WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
 DEPTH = "depth"
+#: Endings that files of products may have; labels of images that are not TIFF may be either.
+_ENDINGS = (".tif", ".png")
 
 
 class Fetched(NamedTuple):
@@ -40,14 +44,14 @@ class Fetched(NamedTuple):
         Address or path of the file, for display.
     beside : mapping of str to bytes
         Contents of georeferencing files, by their ending in place of the image's extension.
-    depth : bytes or None
-        Contents of the depth file, if any.
+    products : mapping of str to bytes
+        Contents of files with a value for every pixel, such as depth, by product.
     """
 
     data: bytes
     place: str
     beside: Mapping[str, bytes] = MappingProxyType({})
-    depth: bytes | None = None
+    products: Mapping[str, bytes] = MappingProxyType({})
 
     def save(self, path: Path) -> None:
         """Write the image and its georeferencing files; raises OutputError."""
@@ -95,7 +99,9 @@ class ImageFetcher:
             store.close()
         self._stores.clear()
 
-    def fetch(self, folder: Path, map_type: str, file: str, row: Mapping[str, str], with_depth: bool) -> Fetched | None:
+    def fetch(
+        self, folder: Path, map_type: str, file: str, row: Mapping[str, str], products: Collection[str] = ()
+    ) -> Fetched | None:
         """Fetch an image of a dataset; None if it is a file in the dataset's folder.
 
         Parameters
@@ -105,8 +111,8 @@ class ImageFetcher:
         map_type, file : str
         row : mapping of str to str
             Row of the image in the table; empty if there is none.
-        with_depth : bool
-            Whether the images of this dataset have depth files.
+        products : collection of str
+            Products of this dataset whose files to fetch, too.
 
         Raises
         ------
@@ -116,12 +122,12 @@ class ImageFetcher:
         address, part = copied_address(folder), _InShard.from_row(row, file)
         if address is None and part is None:
             return None
-        key = (_stamp(folder), folder, map_type, file, part)
+        key = (_stamp(folder), folder, map_type, file, part, frozenset(products))
         if key not in self._kept:
             found = (
-                self._fetch_from_shard(folder, address, map_type, file, part)
+                self._fetch_from_shard(folder, address, map_type, file, part, products)
                 if part is not None
-                else self._file(address, map_type, file, with_depth)
+                else self._file(address, map_type, file, products)
             )
             self._keep(key, found)
         self._kept.move_to_end(key)
@@ -129,7 +135,7 @@ class ImageFetcher:
 
     def _keep(self, key: tuple[object, ...], image: Fetched) -> None:
         self._kept[key] = image
-        sizes = [len(one.data) + len(one.depth or b"") for one in self._kept.values()]
+        sizes = [len(one.data) + sum(map(len, one.products.values())) for one in self._kept.values()]
         while len(self._kept) > 1 and (len(self._kept) > _KEPT or sum(sizes) > _KEPT_BYTES):
             self._kept.popitem(last=False)
             del sizes[0]
@@ -140,19 +146,29 @@ class ImageFetcher:
             store = self._stores[address] = Store(address)
         return store
 
-    def _file(self, address: DatasetAddress, map_type: str, file: str, with_depth: bool) -> Fetched:
+    def _file(self, address: DatasetAddress, map_type: str, file: str, products: Collection[str]) -> Fetched:
         store, name = self._store(address), f"{map_type}/{file}"
         try:
             data = _whole(store, name)
         except NotThere as wrong:
             raise InvalidInput(tr("There is no image (yet) at {address}").format(address=address.file(name))) from wrong
-        depth = None
-        if with_depth:
-            depth = _read_optional(store, f"{DEPTH}/{PurePosixPath(file).stem}.tif")
-        return Fetched(data, address.file(name), depth=depth)
+        found = {}
+        for product in products:
+            for ending in _ENDINGS:
+                content = _read_optional(store, f"{product}/{PurePosixPath(file).stem}{ending}")
+                if content is not None:
+                    found[product] = content
+                    break
+        return Fetched(data, address.file(name), products=found)
 
     def _fetch_from_shard(
-        self, folder: Path, address: DatasetAddress | None, map_type: str, file: str, part: _InShard
+        self,
+        folder: Path,
+        address: DatasetAddress | None,
+        map_type: str,
+        file: str,
+        part: _InShard,
+        products: Collection[str],
     ) -> Fetched:
         name = f"{map_type}/{part.shard}"
         shard = address.file(name) if address is not None else str(folder / map_type / part.shard)
@@ -167,8 +183,15 @@ class ImageFetcher:
         try:
             # Also read 16 KiB after the image, where its shard has further files such as its georeferencing.
             text = read(part.start - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + part.length + (16 << 10))
-            # List the members of the shard that are complete in the text.
-            ours = members(lambda at, length: text[at : at + length], shard, 0, len(text))
+
+            def piece(at: int, length: int) -> bytes:
+                if at + length <= len(text) or len(found) == len(products):
+                    return text[at : at + length]
+                # Files of products may be large; only their headers are read in between.
+                return read(part.start - TAR_BLOCK_BYTES + at, length)
+
+            found: dict[str, bytes] = {}
+            ours = members(piece, shard, 0, sys.maxsize)
             first = next(ours, None)
             ending = PurePosixPath(file).suffix
             if len(text) < TAR_BLOCK_BYTES + part.length:
@@ -186,18 +209,14 @@ class ImageFetcher:
                 )
             stem = first.name[: -len(ending)]
             wanted = (_WORLD_FILES.get(ending, ""), ending + _NOTES)
-            beside, depth = {}, None
-            for member in ours:
-                if not member.name.startswith(f"{stem}."):
-                    break
-                tail = member.name[len(stem) :]
+            of_product = {f".{product}{end}": product for product in products for end in _ENDINGS}
+            beside = {}
+            for tail, member in _companions(ours, stem):
                 start = member.offset + TAR_BLOCK_BYTES
-                if not holds_file(member):
-                    continue
                 if tail in wanted and start + member.size <= len(text):
                     beside[tail] = text[start : start + member.size]
-                elif tail == f".{DEPTH}.tif" and member.size <= MAX_FETCHED_IMAGE_BYTES:
-                    depth = read(part.start + start - TAR_BLOCK_BYTES, member.size)
+                elif tail in of_product and member.size <= MAX_FETCHED_IMAGE_BYTES:
+                    found[of_product[tail]] = piece(start, member.size)
         except (FileNotFoundError, NotThere) as wrong:
             raise InvalidInput(tr("shard {shard}: is not there").format(shard=shard)) from wrong
         except OSError as wrong:
@@ -207,7 +226,16 @@ class ImageFetcher:
         place = tr("{shard}, bytes {first} to {last}").format(
             shard=shard, first=part.start, last=part.start + part.length - 1
         )
-        return Fetched(text[TAR_BLOCK_BYTES : TAR_BLOCK_BYTES + part.length], place, beside, depth)
+        return Fetched(text[TAR_BLOCK_BYTES : TAR_BLOCK_BYTES + part.length], place, beside, found)
+
+
+def _companions(members_after: Iterator[TarInfo], stem: str) -> Iterator[tuple[str, TarInfo]]:
+    """Ending and header of each further file of an image in a shard."""
+    for member in members_after:
+        if not member.name.startswith(f"{stem}."):
+            return
+        if holds_file(member):
+            yield member.name[len(stem) :], member
 
 
 def add_georeference(image: Fetched, folder: Path, map_type: str, file: str) -> Fetched:

@@ -14,9 +14,11 @@ from ...core.dataset.stored import is_name
 from ...core.errors import Cancelled, InvalidInput, TerrAInavError
 from ...core.limits import MAX_TABLE_BYTES
 from ...core.mission.mission import Mission
+from ...core.mission.parts import LABELLED
 from ...core.storage.files import file_exists, open_foreign, text_lines
 from ...core.text.plain import one_line
 from ..dataset.footprints import FootprintFile, file_stamp, polygon_rings
+from ..dataset.overlay import LabelOverlay, read_labels
 from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 from ..i18n import tr, translate
 from ..map.mission_group import layer_dataset
@@ -86,6 +88,12 @@ class ViewedImage(NamedTuple):
         Depth of the image, if the mission wrote it.
     fetched : Fetched or None
         Contents of an image that is not a file in the dataset's folder.
+    label_products : tuple of str
+        Products of labels that the mission wrote: classes, instances.
+    shown_labels : str
+        The one that is shown; empty for none.
+    labels : LabelOverlay or None
+        Labels of the image, if asked for.
     """
 
     shot: CapturedImage
@@ -96,6 +104,9 @@ class ViewedImage(NamedTuple):
     rejected: bool
     depth: Depth | None = None
     fetched: Fetched | None = None
+    label_products: tuple[str, ...] = ()
+    shown_labels: str = ""
+    labels: LabelOverlay | None = None
 
 
 class Finder:
@@ -163,8 +174,10 @@ class Finder:
         return CapturedImage(footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons))
 
 
-def view_image(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetcher) -> ViewedImage:
-    """Read an image and its depth, reduced to the size shown, and its row in the table.
+def view_image(
+    shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetcher, labels: str = ""
+) -> ViewedImage:
+    """Read an image, its depth and labels, reduced to the size shown, and its row in the table.
 
     Parameters
     ----------
@@ -173,6 +186,8 @@ def view_image(shot: CapturedImage, map_type: str, longest_px: int, images: Imag
     longest_px : int
     images : ImageFetcher
         Fetches images that are remote or in shards; a failure becomes the ``problem`` of the picture.
+    labels : str
+        Product of labels to show, if the mission wrote it; empty for none.
 
     Raises
     ------
@@ -188,27 +203,27 @@ def view_image(shot: CapturedImage, map_type: str, longest_px: int, images: Imag
     path, rejected = folder / map_type / file, folder / map_type / REJECTED_FOLDER / file
     moved = file_exists(rejected) and not file_exists(path)
     row = _row(folder / map_type / TABLE_FILE, file)
-    depth_path = folder / DEPTH / f"{shot.name}.tif"
+    offered = tuple(one for one in LABELLED if one in mission.products)
+    read = offered if labels in offered else ()
+    labels = labels if read else ""
+    seen = ViewedImage(shot, mission.imagery.map_types, map_type, DisplayImage(path, None), row, False)._replace(
+        label_products=offered, shown_labels=labels
+    )
     try:
-        fetched = images.fetch(folder, map_type, file, row, DEPTH in mission.products)
+        fetched = images.fetch(folder, map_type, file, row, (*({DEPTH} & {*mission.products}), *read))
     except Cancelled:
         raise
     except TerrAInavError as wrong:
-        return ViewedImage(
-            shot,
-            mission.imagery.map_types,
-            map_type,
-            DisplayImage(path, None, problem=translate(wrong)),
-            row,
-            False,
-        )
-    if fetched is not None:
-        picture = read_picture(path, longest_px, fetched.data)
-        depth = None if fetched.depth is None else read_depth(depth_path, longest_px, fetched.depth)
-    else:
-        picture = read_picture(rejected if moved else path, longest_px)
-        depth = read_depth(depth_path, longest_px)
-    return ViewedImage(shot, mission.imagery.map_types, map_type, picture, row, moved, depth, fetched)
+        return seen._replace(picture=DisplayImage(path, None, problem=translate(wrong)))
+    content = None if fetched is None else fetched.data
+    products = {} if fetched is None else fetched.products
+    return seen._replace(
+        picture=read_picture(rejected if moved and fetched is None else path, longest_px, content),
+        rejected=moved,
+        depth=read_depth(folder / DEPTH / f"{shot.name}.tif", longest_px, products.get(DEPTH)),
+        fetched=fetched,
+        labels=read_labels(folder, shot.name, labels, longest_px, products) if read else None,
+    )
 
 
 def _row(table: Path, name: str) -> dict[str, str]:

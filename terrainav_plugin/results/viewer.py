@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from qgis.core import QgsApplication
 from qgis.gui import QgsDockWidget
-from qgis.PyQt.QtCore import QEvent, QPoint, QPointF, QRect, QSize, Qt, pyqtSignal
-from qgis.PyQt.QtGui import QBrush, QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
+from qgis.PyQt.QtCore import QPointF, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QPainter, QPaintEvent
 from qgis.PyQt.QtWidgets import (
     QComboBox,
     QHBoxLayout,
-    QSizePolicy,
     QSplitter,
     QVBoxLayout,
     QWidget,
@@ -28,6 +27,8 @@ from ..i18n import number_text, tr, translate
 from ..plain import plain_label
 from ..units import METRES, gsd_text
 from ..widgets import named, push_button, scrolled, wrapped_label
+from .labels_pane import LabelsPane
+from .picture_view import PictureView
 from .shots import CapturedImage, ViewedImage
 
 #: Names of metadata that other rows already show, or that only programs need.
@@ -76,6 +77,7 @@ class Viewer(QgsDockWidget):
         self.setObjectName("terrainav_viewer")
         self.view = PictureView("picture")
         self.depth = DepthPane(self.view)
+        self.labels = LabelsPane(self.view)
         self.under_click = named(QComboBox(), "under_click", tr("Images that show the clicked place"))
         self.under_click.activated.connect(self.chosen)
         self.map_type = named(QComboBox(), "shown_map_type", tr("Map type shown"))
@@ -92,6 +94,7 @@ class Viewer(QgsDockWidget):
         """Show a text instead of an image."""
         self.view.show_image(None, text)
         self.depth.show_depth(None)
+        self.labels.show_labels((), "", None)
         self.details.setText("")
         self.place.setText("")
         self.under_click.hide()
@@ -104,6 +107,7 @@ class Viewer(QgsDockWidget):
         """Show that an image is being fetched; the buttons for other images stay enabled."""
         self.view.show_image(None, tr("Fetching {name}…").format(name=name))
         self.depth.show_depth(None)
+        self.labels.show_labels((), "", None)
         self.details.setText("")
         self.open.setEnabled(False)
         self.on_map.setEnabled(False)
@@ -131,6 +135,7 @@ class Viewer(QgsDockWidget):
         """Show an image."""
         self.view.show_image(seen.picture.image, seen.picture.problem)
         self.depth.show_depth(seen.depth)
+        self.labels.show_labels(seen.label_products, seen.shown_labels, seen.labels)
         self.details.setText(details_html(seen))
         count = seen.shot.count
         self.place.setText(
@@ -181,7 +186,7 @@ class Viewer(QgsDockWidget):
         self.on_map.clicked.connect(self.on_map_wanted.emit)
 
     def _pictures(self) -> QWidget:
-        """Widget with the image, the depth next to it, and the legend of the depth below."""
+        """Widget with the image, the depth next to it, and their legends below."""
         beside = QHBoxLayout()
         beside.setSpacing(4)
         beside.addWidget(self.view, 1)
@@ -191,6 +196,7 @@ class Viewer(QgsDockWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addLayout(beside, 1)
         layout.addWidget(self.depth)
+        layout.addWidget(self.labels)
         return pictures
 
     def _contents(self) -> QWidget:
@@ -225,88 +231,6 @@ class Viewer(QgsDockWidget):
         layout.addLayout(steps)
         layout.addLayout(more)
         return contents
-
-
-class PictureView(QWidget):
-    """Show a whole image with its aspect ratio, over a pattern that makes transparency visible.
-
-    Signals
-    -------
-    pointed(QPointF or None)
-        Position in the image under the mouse, as shares of its width and height; None outside.
-    """
-
-    pointed = pyqtSignal(object)
-
-    def __init__(self, name: str) -> None:
-        super().__init__()
-        self.setObjectName(name)
-        self.setMouseTracking(True)
-        self._mark: QPointF | None = None
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.image: QImage | None = None
-        self._text = ""
-
-    def show_image(self, image: QImage | None, text: str = "") -> None:
-        """Show an image, or a text in its place."""
-        self.image, self._text, self._mark = image, text, None
-        self.setAccessibleName(text)
-        self.update()
-
-    def mark(self, at: QPointF | None) -> None:
-        """Draw a ring around a position in the image; None removes the ring."""
-        self._mark = at
-        self.update()
-
-    def place(self) -> QRect:
-        """Rectangle in which the image is drawn."""
-        size = QSize() if self.image is None else self.image.size()
-        size = size.scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
-        return QRect(QPoint((self.width() - size.width()) // 2, (self.height() - size.height()) // 2), size)
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Emit the position under the mouse."""
-        place = self.place()
-        if self.image is None or not place.contains(event.pos()):
-            self.pointed.emit(None)
-            return
-        # Use the middle of the screen pixel.
-        x, y = event.pos().x() + 0.5 - place.left(), event.pos().y() + 0.5 - place.top()
-        self.pointed.emit(QPointF(x / place.width(), y / place.height()))
-
-    def leaveEvent(self, event: QEvent) -> None:
-        """Emit that the mouse has left."""
-        self.pointed.emit(None)
-        super().leaveEvent(event)
-
-    def sizeHint(self) -> QSize:
-        """Room for an image of four by three."""
-        return QSize(400, 300)
-
-    def minimumSizeHint(self) -> QSize:
-        """Room for a small image."""
-        return QSize(80, 60)
-
-    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
-        """Paint."""
-        painter = QPainter(self)
-        if self.image is None:
-            flags = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
-            painter.drawText(self.rect(), flags, self._text)
-            return
-        place = self.place()
-        painter.fillRect(place, QBrush(self.palette().mid().color(), Qt.BrushStyle.DiagCrossPattern))
-        enlarged = place.width() > self.image.width()
-        # Show enlarged pixels as squares.
-        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, not enlarged)
-        painter.drawImage(place, self.image)
-        if self._mark is None:
-            return
-        middle = QPointF(place.left() + self._mark.x() * place.width(), place.top() + self._mark.y() * place.height())
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        for colour, width in ((Qt.GlobalColor.black, 3.0), (Qt.GlobalColor.white, 1.0)):
-            painter.setPen(QPen(QColor(colour), width))
-            painter.drawEllipse(middle, 5.0, 5.0)
 
 
 class DepthPane(QWidget):

@@ -68,6 +68,8 @@ class Viewing(QObject):
         self.tool.refused.connect(messages.warning)
         self.viewer: Viewer | None = None
         self.seen: ViewedImage | None = None
+        #: Product of labels shown over images; empty for none.
+        self._labels = ""
         self._shots: list[CapturedImage] = []
         self._finder: Finder | None = None
         self._images: ImageFetcher | None = None
@@ -166,7 +168,8 @@ class Viewing(QObject):
         if has_images_elsewhere(shot.footprints.folder):
             self._shown_viewer().show_fetching(shot.name)
         # Images with a longer side of 1600 px are sharp on any screen, and quickly read.
-        self._ask(lambda _: view_image(shot, wanted, 1600, images), self._show)
+        labels = self._labels
+        self._ask(lambda _: view_image(shot, wanted, 1600, images, labels), self._show)
 
     def _ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
         """Run work in the background, and cancel the fetching of a previous image."""
@@ -259,6 +262,7 @@ class Viewing(QObject):
             viewer.chosen.connect(self._choose)
             viewer.step_wanted.connect(self._step)
             viewer.map_type_wanted.connect(self._show_map_type)
+            viewer.labels.wanted.connect(self._show_labels)
             viewer.open_wanted.connect(self._open)
             viewer.zoom_wanted.connect(self._zoom)
             viewer.on_map_wanted.connect(self._show_on_map)
@@ -272,6 +276,12 @@ class Viewing(QObject):
     def _show_map_type(self, map_type: str) -> None:
         if self.seen is not None:
             self._show_shot(self.seen.shot, map_type)
+
+    def _show_labels(self, product: str) -> None:
+        """Show labels over this image and further ones."""
+        self._labels = product
+        if self.seen is not None:
+            self._show_shot(self.seen.shot)
 
     def _open(self) -> None:
         if self.seen is None:

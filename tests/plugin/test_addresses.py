@@ -503,7 +503,7 @@ def test_a_file_of_negative_size_in_a_shard_is_said(plugin, tmp_path, size, said
     (tmp_path / "satellite" / "x.tar").write_bytes(first.tobuf() + data + member.tobuf(tarfile.GNU_FORMAT))
     row = {"shard": "x.tar", "offset_bytes": "512", "size_bytes": "5"}
     with pytest.raises(InvalidInput, match=rf"x\.tar: {said} for the file at byte 1,024$"):
-        ImageFetcher().fetch(tmp_path, "satellite", "a.png", row, with_depth=False)
+        ImageFetcher().fetch(tmp_path, "satellite", "a.png", row)
 
 
 # --- servers that answer with other parts than were asked for
