@@ -12,7 +12,7 @@ from qgis.gui import QgisInterface, QgsOptionsWidgetFactory
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QMenu, QWidget
 
-from .compat import QAction
+from .compat import VECTOR, QAction
 from .i18n import install_translator, remove_translator, tr
 from .messages import LogPanelHandler, Messages
 from .packages import NEEDED
@@ -52,6 +52,7 @@ class TerrAInavPlugin:
         self._processing_soon: QTimer | None = None
         self._unfinished_soon: QTimer | None = None
         self._path_finder = ""
+        self._label_action: QAction | None = None
 
     def initProcessing(self) -> None:
         """Add the provider of algorithms; QGIS calls this itself if it has no windows (``qgis_process``)."""
@@ -94,6 +95,11 @@ class TerrAInavPlugin:
         self._menu.addSeparator()
         self._add("settings", tr("&Settings…"), self.show_settings, in_toolbar=False)
         self._add("help", tr("&Help"), self._show_help, in_toolbar=False)
+        self._label_action = QAction(icon("icon"), tr("Label &images with this layer"), self.iface.mainWindow())
+        self._label_action.setObjectName("terrainav_label_layer")
+        self._label_action.triggered.connect(self._label_layer)
+        # In the menus of all vector layers.
+        self.iface.addCustomActionForLayerType(self._label_action, MENU, VECTOR, True)
         self._options = OptionsFactory(self._settings_changed)
         self.iface.registerOptionsWidgetFactory(self._options)
         # A preprocessor of paths, as QGIS looks for the files of layers before it reports that the project is read.
@@ -146,6 +152,8 @@ class TerrAInavPlugin:
         self.messages.close()
         self.messages.deleteLater()
         self._log.close()
+        self.iface.removeCustomActionForLayerType(self._label_action)
+        self._label_action.deleteLater()
         for action in self.actions.values():
             self.iface.unregisterMainWindowAction(action)
             action.deleteLater()
@@ -155,7 +163,7 @@ class TerrAInavPlugin:
         self._menu.deleteLater()
         self.iface.mainWindow().removeToolBar(self._toolbar)
         self._toolbar.deleteLater()
-        self._toolbar = self._menu = self._options = None
+        self._toolbar = self._menu = self._options = self._label_action = None
 
     def _menus(self) -> tuple[QMenu, QMenu]:
         """Menus of QGIS that have the plugin's menu: of its subject, and where QGIS lists plugins."""
@@ -239,6 +247,11 @@ class TerrAInavPlugin:
 
     def _toggle_preview(self, on: bool) -> None:
         self._use(lambda session: session.set_preview(on))
+
+    def _label_layer(self) -> None:
+        layer = self.iface.activeLayer()
+        if layer is not None:
+            self._use(lambda session: session.label_layer(layer))
 
     def _score_benchmark(self) -> None:
         self._use(lambda session: session.benchmarks.score())

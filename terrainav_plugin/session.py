@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsProject
+from qgis.core import QgsProject, QgsVectorLayer
 from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QComboBox, QDialog
@@ -31,7 +31,7 @@ from .panel.camera import camera_choices
 from .panel.choices import source_choices
 from .panel.dock import Dock
 from .panel.form import FormMemory
-from .panel.layers import LayersLine
+from .panel.layers import LabelsLine, LayersLine
 from .panel.planning import Planning
 from .panel.runs import OpeningRow, RunPanel
 from .panel.source_list import SourceList
@@ -43,6 +43,7 @@ from .preview.picking import PlanPicking
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
 from .profile.profiles import Profiles
+from .qgis_source.snapshot import raster_around
 from .remote.copies import read_only_reason
 from .remote.trust import agree, source_names
 from .results.compare import Compare
@@ -146,6 +147,18 @@ class Session(QObject):
         """Let the user click the place of a single image."""
         self.dock.setUserVisible(True)
         self.point_tool.start()
+
+    def label_layer(self, layer: QgsVectorLayer) -> None:
+        """Enter a mission that labels images with a layer: over its extent, of the imagery below it on the map."""
+        self.dock.setUserVisible(True)
+        if not self.areas.take_extent(layer):
+            return
+        form = self.dock.form
+        imagery = raster_around(layer, self.project)
+        if imagery:
+            form.imagery.choose_source(imagery)
+        form.findChild(LabelsLine).take_layer(layer)
+        self.set_preview(True)
 
     def set_preview(self, on: bool) -> None:
         """Show the preview and zoom to it, or remove it."""

@@ -5475,6 +5475,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>Label &amp;images with this layer</source>
+        <translation>Etiquetar &amp;imágenes con esta capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
         <source>Make &amp;benchmark…</source>
         <translation>Crear &amp;banco de pruebas…</translation>
     </message>

@@ -236,14 +236,17 @@ class AreaControl(QObject):
         self._task = task
         task.begin(lambda task: self._take_read(task, take or self._take_area_read))
 
+    def take_extent(self, layer: QgsMapLayer) -> bool:
+        """Enter a layer's extent as the area, and show it; returns False for a layer without one."""
+        step = tr("extent of {layer}").format(layer=layer.name())
+        taken = self._enter(lambda: layer_extent_area(layer, self._project), step)
+        if taken:
+            self._show_on_canvas()
+        return taken
+
     def _ask_for_layer(self) -> None:
         dialog = LayerDialog(self._iface.mainWindow(), tr("Extent of a layer"), self._iface.activeLayer())
-        self._open(dialog, lambda: self._take_extent(dialog.chosen()))
-
-    def _take_extent(self, layer: QgsMapLayer) -> None:
-        step = tr("extent of {layer}").format(layer=layer.name())
-        if self._enter(lambda: layer_extent_area(layer, self._project), step):
-            self._show_on_canvas()
+        self._open(dialog, lambda: self.take_extent(dialog.chosen()))
 
     def _take_polygon(self) -> None:
         layer = self._iface.activeLayer()

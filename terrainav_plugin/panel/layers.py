@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from qgis.core import QgsMapLayer, QgsProject, QgsVectorLayer, QgsWkbTypes
+from qgis.core import QgsCategorizedSymbolRenderer, QgsMapLayer, QgsProject, QgsVectorLayer, QgsWkbTypes
 from qgis.PyQt.QtCore import pyqtSignal
 from qgis.PyQt.QtWidgets import QMenu
 
@@ -57,7 +57,7 @@ class LayersLine(OfferedLine):
     def _add_file(self) -> None:
         self._choose_file(tr("Vector file"), tr("Vector files (*)"))
 
-    def _add_layer(self, layer: QgsVectorLayer, field: str = "") -> None:
+    def add_layer(self, layer: QgsVectorLayer, field: str = "") -> None:
         """Add a layer, as a file that can be read without QGIS."""
         try:
             text = ":".join(filter(None, (layer_file(layer), field)))
@@ -75,10 +75,17 @@ class LabelsLine(LayersLine):
         menu = self._menu.addMenu(_as_text(layer.name()))
         menu.setObjectName(f"{self.objectName()}_fields")
         self._submenus.append(menu)
-        menu.addAction(tr("One class"), partial(self._add_layer, layer))
+        menu.addAction(tr("One class"), partial(self.add_layer, layer))
         menu.addSeparator()
         for field in layer.fields():
-            menu.addAction(_as_text(field.name()), partial(self._add_layer, layer, field.name()))
+            menu.addAction(_as_text(field.name()), partial(self.add_layer, layer, field.name()))
+
+    def take_layer(self, layer: QgsVectorLayer) -> None:
+        """Enter a layer alone, with the field by which the map tells its features apart, if any."""
+        self.clear()
+        renderer = layer.renderer()
+        field = renderer.classAttribute() if isinstance(renderer, QgsCategorizedSymbolRenderer) else ""
+        self.add_layer(layer, field if field in layer.fields().names() else "")
 
 
 class BuildingsLine(LayersLine):
@@ -86,7 +93,7 @@ class BuildingsLine(LayersLine):
 
     def _offer(self, layer: QgsVectorLayer) -> None:
         if layer.geometryType() == QgsWkbTypes.GeometryType.PolygonGeometry:
-            self._menu.addAction(_as_text(layer.name()), partial(self._add_layer, layer))
+            self._menu.addAction(_as_text(layer.name()), partial(self.add_layer, layer))
 
 
 def _vector_layers() -> list[QgsVectorLayer]:

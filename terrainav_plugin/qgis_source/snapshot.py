@@ -32,7 +32,7 @@ from ...core.imagery.policy import Policy
 from ...core.imagery.raster.georeference import RasterGeoreference
 from ...core.imagery.raster.reading import Facts
 from ...core.imagery.raster.sizes import check_block, check_counts
-from ..compat import attribution
+from ..compat import RASTER, attribution
 from ..i18n import tr
 from ..map.mission_group import ROLE
 from ..tasks import crs_named, required_crs
@@ -111,6 +111,23 @@ def layer_choices(project: QgsProject) -> list[LayerChoice]:
         return []
     whole = LayerChoice(PROJECT_SOURCE, tr("Whole map"))
     return [whole, *(LayerChoice(source_name(layer), layer.name()) for layer in layers)]
+
+
+def raster_around(layer: QgsMapLayer, project: QgsProject) -> str:
+    """Source of the uppermost raster on the map that holds a layer's extent; empty without one."""
+    root = project.layerTreeRoot()
+    for raster in _layers_that_show(project):
+        node = root.findLayer(raster)
+        if raster.type() != RASTER or node is None or not node.isVisible():
+            continue
+        try:
+            way = QgsCoordinateTransform(layer.crs(), raster.crs(), project)
+            if raster.extent().contains(way.transformBoundingBox(layer.extent())):
+                return source_name(raster)
+        except QgsCsException:
+            # The layer's ground has no place in the raster's system.
+            continue
+    return ""
 
 
 def source_layers(name: str, project: QgsProject) -> list[QgsMapLayer]:

@@ -8,8 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from osgeo import gdal, ogr, osr
-from qgis.core import QgsFeature, QgsGeometry, QgsProject, QgsRectangle, QgsVectorLayer
+from qgis.core import (
+    QgsCategorizedSymbolRenderer,
+    QgsFeature,
+    QgsFillSymbol,
+    QgsGeometry,
+    QgsProject,
+    QgsRasterLayer,
+    QgsRectangle,
+    QgsRendererCategory,
+    QgsVectorLayer,
+)
 from qgis.PyQt.QtWidgets import QLineEdit, QMenu, QToolButton
+from terrainav.terrainav_plugin.compat import QAction
 
 from tests.plugin.steps import COARSE_BOX
 from tests.plugin.test_capture import capture, images
@@ -143,3 +154,58 @@ def test_a_capture_writes_the_classes_and_instances_of_a_layer_in_memory(desk):
         is_west = x < middle * 20037508.342789244 / 180.0
         assert (classes.ReadAsArray() == np.where(is_west, 2, 1)).all()
         assert (instances.ReadAsArray() == np.where(is_west, 1, 2)).all()
+
+
+@pytest.fixture
+def raster(tmp_path):
+    """An orthophoto around the layers, below them on the map, and another one elsewhere above it."""
+    for name, west in (("ortho", -90.0), ("elsewhere", 12.0)):
+        made = gdal.GetDriverByName("GTiff").Create(str(tmp_path / f"{name}.tif"), 100, 100, 3)
+        made.SetGeoTransform((west, 0.005, 0.0, 35.4, 0.0, -0.005))
+        spatial = osr.SpatialReference()
+        spatial.ImportFromEPSG(4326)
+        made.SetProjection(spatial.ExportToWkt())
+        made = None
+    added = [QgsRasterLayer(str(tmp_path / f"{name}.tif"), name) for name in ("ortho", "elsewhere")]
+    for layer in added:
+        assert layer.isValid()
+        QgsProject.instance().addMapLayer(layer)
+    return added[0]
+
+
+def label_action(plugin):
+    (action,) = [
+        one for one in plugin.iface.mainWindow().findChildren(QAction) if one.objectName() == "terrainav_label_layer"
+    ]
+    return action
+
+
+def test_a_layers_menu_enters_its_extent_its_field_and_the_imagery_below_it(desk, fields, raster, plugin):
+    categories = [QgsRendererCategory(crop, QgsFillSymbol(), crop) for crop in ("maize", "wheat")]
+    fields.setRenderer(QgsCategorizedSymbolRenderer("crop", categories))
+    desk.iface.setActiveLayer(fields)
+    label_action(plugin).trigger()
+    state = desk.session.state()
+    assert state.labels == (f"{Path(fields.source().split('|')[0])}:fields:crop",)
+    assert state.source == f"qgis:layer/{raster.id()}"
+    edges = [float(edge) for edge in (state.south, state.north, state.west, state.east)]
+    assert edges == pytest.approx([35.13, 35.14, -89.87, -89.86], abs=1e-6)
+    assert desk.dock.isVisible()
+
+
+def test_a_layers_menu_keeps_the_imagery_where_no_raster_lies_below_it(desk, roofs, plugin):
+    before = desk.session.state().source
+    desk.iface.setActiveLayer(roofs)
+    label_action(plugin).trigger()
+    state = desk.session.state()
+    assert state.source == before
+    assert len(state.labels) == 1
+
+
+def test_a_layers_menu_refuses_a_layer_without_features(desk, plugin):
+    empty = QgsProject.instance().addMapLayer(QgsVectorLayer("Polygon?crs=EPSG:4326", "Empty", "memory"))
+    before = desk.session.state()
+    desk.iface.setActiveLayer(empty)
+    label_action(plugin).trigger()
+    assert "it has no extent" in desk.messages()[-1]
+    assert desk.session.state().labels == before.labels
