@@ -1,4 +1,4 @@
-"""Waits for other threads that Ctrl-C and the caller can end."""
+"""Waits and long preparations that Ctrl-C and the caller can end, and that report what they do."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from .errors import Cancelled
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
+    from .errors import Message
+
 _cancelled: ContextVar[Callable[[], bool] | None] = ContextVar("cancelled", default=None)
+_report: ContextVar[Callable[[Message], object] | None] = ContextVar("report", default=None)
 
 
 @contextmanager
@@ -30,6 +33,24 @@ def check_cancelled() -> None:
     cancelled = _cancelled.get()
     if cancelled is not None and cancelled():
         raise Cancelled("stopped")
+
+
+@contextmanager
+def reporting(report: Callable[[Message], object] | None) -> Iterator[None]:
+    """Pass texts on the progress of this thread's long preparations, such as indexing a file, to ``report``."""
+    token = _report.set(report)
+    try:
+        yield
+    finally:
+        _report.reset(token)
+
+
+def report_progress(text: Message) -> None:
+    """Pass a text to the enclosing `reporting`; raise Cancelled if the enclosing `cancellable` is cancelled."""
+    check_cancelled()
+    report = _report.get()
+    if report is not None:
+        report(text)
 
 
 def wait_until_done(future: Future[Any], look: Callable[[], object]) -> None:

@@ -96,7 +96,8 @@ def capture(
     root = store_path(folder)
     # Before time counts, by which the rest is estimated.
     load_code(plan)
-    labels = open_labels(plan)
+    with cancellable(listener.cancelled):
+        labels = open_labels(plan)
     reporter = Reporter(listener)
     with ExitStack() as opened:
         # Before images are made, waiting for an object store can be cancelled at once.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,12 @@ if TYPE_CHECKING:
 
 #: Features that are checked and transformed at once.
 _BATCH = 5_000
+_ROWS = """
+SELECT number, kind, shape, field_values FROM boxes JOIN features USING (number)
+WHERE east >= ? AND west <= ? AND north >= ? AND south <= ? AND (size_m >= ? OR kind = ?)
+"""
+_FIRST = "ORDER BY number LIMIT ?"
+_COUNT = "SELECT count(*) FROM boxes WHERE east >= ? AND west <= ? AND north >= ? AND south <= ?"
 _TABLES = """
 PRAGMA journal_mode = OFF;
 PRAGMA synchronous = OFF;
@@ -45,8 +51,20 @@ def connection(path: Path, mode: str) -> Iterator[sqlite3.Connection]:
         opened.close()
 
 
-def write_index(path: Path, records: Iterator[Record], reference: Reference, about: dict[str, Any]) -> None:
-    """Write all features of a layer, with counts of all, of those repaired and of those left out."""
+def write_index(
+    path: Path,
+    records: Iterator[Record],
+    reference: Reference,
+    about: dict[str, Any],
+    progress: Callable[[int], object] = lambda _count: None,
+) -> None:
+    """Write all features of a layer, with counts of all, of those repaired and of those left out.
+
+    Parameters
+    ----------
+    progress : callable
+        Called with the number of features written so far, after each batch; its exceptions end the work.
+    """
     count = repaired = dropped = 0
     with connection(path, "rwc") as database:
         database.executescript(_TABLES)
@@ -62,6 +80,7 @@ def write_index(path: Path, records: Iterator[Record], reference: Reference, abo
             count += len(batch)
             dropped += len(batch) - len(rows)
             repaired += sum(mended and bool(parts) for parts, (_, mended, _) in zip(made, batch))
+            progress(count)
         state = {**about, "count": count, "repaired": repaired, "dropped": dropped}
         database.executemany(
             "INSERT INTO about VALUES (?, ?)", [(name, json.dumps(one)) for name, one in state.items()]
@@ -100,22 +119,35 @@ def read_about(path: Path) -> dict[str, Any]:
 
 
 def read_rows(
-    path: Path, box: tuple[float, float, float, float], least_m: float
+    path: Path, box: tuple[float, float, float, float], least_m: float, most: int = -1
 ) -> list[tuple[int, int, bytes, str, float]]:
-    """Number, kind, shape, values and shift in degrees of the features that meet a box, by number."""
-    west, south, east, north = box
+    """Number, kind, shape, values and shift in degrees of the features that meet a box, by number.
+
+    With ``most``, only those of the least numbers.
+    """
     found: list[tuple[int, int, bytes, str, float]] = []
-    # A feature's box begins in [-180, 180) and is at most a turn wide.
     with connection(path, "ro") as database:
-        for turn in range(math.floor((west - 180.0) / 360.0), math.floor((east + 180.0) / 360.0) + 1):
-            shift = 360.0 * turn
-            rows = database.execute(
-                "SELECT number, kind, shape, field_values FROM boxes JOIN features USING (number) "
-                "WHERE east >= ? AND west <= ? AND north >= ? AND south <= ? AND (size_m >= ? OR kind = ?)",
-                (west - shift, east - shift, south, north, least_m, POINT),
-            )
+        for shift, edges in _turns(box):
+            chosen = (*edges, least_m, POINT)
+            rows = database.execute(_ROWS + _FIRST, (*chosen, most)) if most >= 0 else database.execute(_ROWS, chosen)
             found += [(*row, shift) for row in rows]
-    return sorted(found, key=lambda row: (row[0], row[4]))
+    found.sort(key=lambda row: (row[0], row[4]))
+    return found[:most] if most >= 0 else found
+
+
+def count_rows(path: Path, box: tuple[float, float, float, float]) -> int:
+    """Number of features that meet a box."""
+    with connection(path, "ro") as database:
+        return sum(database.execute(_COUNT, edges).fetchone()[0] for _, edges in _turns(box))
+
+
+def _turns(box: tuple[float, float, float, float]) -> Iterator[tuple[float, tuple[float, float, float, float]]]:
+    """Shift in degrees of each turn of the Earth that meets a box; the box there as west, east, south, north."""
+    west, south, east, north = box
+    # A feature's box begins in [-180, 180) and is at most a turn wide.
+    for turn in range(math.floor((west - 180.0) / 360.0), math.floor((east + 180.0) / 360.0) + 1):
+        shift = 360.0 * turn
+        yield shift, (west - shift, east - shift, south, north)
 
 
 def read_values(path: Path) -> Iterator[list[Any]]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,8 +13,9 @@ from typing import Any
 from ..errors import InvalidInput, Message
 from ..imagery.cache.tile_cache import default_folder
 from ..storage.files import make_folder, partial_file
+from ..waiting import check_cancelled, report_progress
 from .features import Features
-from .index import read_about, read_rows, read_values, unpack, write_index
+from .index import count_rows, read_about, read_rows, read_values, unpack, write_index
 from .names import LayerName, split_name
 from .reading import backend, is_osm, layer_names, open_records
 from .shaping import Reference
@@ -21,6 +24,7 @@ from .shaping import Reference
 MAX_VALUES = 65_535
 #: Number of the layout of index files; indices of other layouts are made anew.
 _LAYOUT = 1
+_INDEXING = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,7 @@ class VectorLayer:
         north_deg: float,
         fields: Sequence[str] = (),
         least_m: float = 0.0,
+        most: int = -1,
     ) -> Features:
         """Features whose boxes meet a box, in the layer's order.
 
@@ -68,6 +73,8 @@ class VectorLayer:
             Fields whose values are wanted.
         least_m : float
             Lines and areas whose boxes are smaller than this are left out.
+        most : int
+            Largest number of features, the first of the layer; negative for all.
 
         Raises
         ------
@@ -76,7 +83,11 @@ class VectorLayer:
         """
         chosen = {name: self._place(name) for name in fields}
         box = (west_deg, south_deg, east_deg, north_deg)
-        return unpack(read_rows(self.index, box, least_m), chosen)
+        return unpack(read_rows(self.index, box, least_m, most), chosen)
+
+    def count_in(self, west_deg: float, south_deg: float, east_deg: float, north_deg: float) -> int:
+        """Number of features whose boxes meet a box, as for `features`."""
+        return count_rows(self.index, (west_deg, south_deg, east_deg, north_deg))
 
     def values(self, field: str) -> dict[Any, int]:
         """Distinct values of a field, in order of first use, with the number of features that have each.
@@ -89,6 +100,7 @@ class VectorLayer:
         place = self._place(field)
         counts: dict[Any, int] = {}
         for row in read_values(self.index):
+            check_cancelled()
             counts[row[place]] = counts.get(row[place], 0) + 1
             if len(counts) > MAX_VALUES:
                 raise InvalidInput(
@@ -136,26 +148,16 @@ def open_layer(path: str, layer: str = "", *, index_dir: Path | None = None) -> 
     ------
     InvalidInput
         The file cannot be read, or has no such layer; the layer has no reference system, or no features.
+    Cancelled
+        The enclosing `waiting.cancellable` is cancelled; `waiting.reporting` gets the number of features read.
     """
     file = Path(path)
     folder = index_dir if index_dir is not None else default_folder() / "vectors"
     target = folder / f"{_fingerprint(file, layer)}.sqlite"
     if not target.is_file():
-        source = open_records(path, layer)
-        if not source.crs:
-            raise InvalidInput(
-                "layer {0} of {1}: has no reference system (CRS), so nobody can place it on the Earth",
-                source.layer,
-                file.name,
-            )
-        make_folder(folder)
-        written: dict[str, Any] = {
-            "title": source.layer,
-            "fields": source.fields,
-            "attribution": "© OpenStreetMap contributors" if is_osm(path) else "",
-        }
-        with partial_file(target) as partial:
-            write_index(partial, source.records(), Reference(source.crs), written)
+        with _one_at_a_time():
+            if not target.is_file():
+                _write(target, path, layer)
     about = read_about(target)
     if about["count"] == about["dropped"]:
         raise InvalidInput("layer {0} of {1}: has no features with a geometry", about["title"], file.name)
@@ -168,6 +170,47 @@ def open_layer(path: str, layer: str = "", *, index_dir: Path | None = None) -> 
         about["dropped"],
         target,
     )
+
+
+@contextlib.contextmanager
+def _one_at_a_time() -> Iterator[None]:
+    """Let one thread write an index, as another may need the same; raises Cancelled from the wait."""
+    while not _INDEXING.acquire(timeout=0.1):
+        check_cancelled()
+    try:
+        yield
+    finally:
+        _INDEXING.release()
+
+
+def _write(target: Path, path: str, layer: str) -> None:
+    """Index a layer; raises as `open_layer` does."""
+    file = Path(path).name
+    report_progress(Message("{0}: opening…", file))
+    source = open_records(path, layer)
+    if not source.crs:
+        raise InvalidInput(
+            "layer {0} of {1}: has no reference system (CRS), so nobody can place it on the Earth",
+            source.layer,
+            file,
+        )
+    make_folder(target.parent)
+    written: dict[str, Any] = {
+        "title": source.layer,
+        "fields": source.fields,
+        "attribution": "© OpenStreetMap contributors" if is_osm(path) else "",
+    }
+
+    def progress(count: int) -> None:
+        # Files of OpenStreetMap do not state how many features they have.
+        report_progress(
+            Message("{0}: {1:,} features read", file, count)
+            if source.count < count
+            else Message("{0}: {1:,} of {2:,} features read", file, count, source.count)
+        )
+
+    with partial_file(target) as partial:
+        write_index(partial, source.records(), Reference(source.crs), written, progress)
 
 
 def _fingerprint(file: Path, layer: str) -> str:

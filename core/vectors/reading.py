@@ -14,6 +14,7 @@ from typing import Any, Callable
 from ..errors import InvalidInput, Message
 from ..resources import resource
 from ..storage.files import open_foreign
+from ..waiting import check_cancelled
 from . import geojson
 
 #: Geometry in well-known binary (empty if there is none), whether it was repaired, and the values of the fields.
@@ -39,12 +40,15 @@ class RecordSource:
     fields : tuple of str
     records : callable
         Iterates over all `Record` in the layer's order.
+    count : int
+        Number of features, -1 if the file does not state it.
     """
 
     layer: str
     crs: str
     fields: tuple[str, ...]
     records: Callable[[], Iterator[Record]]
+    count: int = -1
 
 
 def backend() -> str:
@@ -108,6 +112,7 @@ def open_records(path: str, layer: str) -> RecordSource:
         crs,
         fields,
         lambda: ((shape, False, values) for shape, values in geojson.records(features, fields)),
+        len(features),
     )
 
 
@@ -163,7 +168,8 @@ def _from_osgeo(path: str, layer: str) -> RecordSource:
         defined = found.GetLayerDefn()
         fields = tuple(defined.GetFieldDefn(place).GetName() for place in range(defined.GetFieldCount()))
         crs = reference.ExportToWkt(["FORMAT=WKT2_2018"]) if reference is not None else ""
-    return RecordSource(layer, _stated(crs), fields, lambda: _osgeo_records(path, layer))
+        count = found.GetFeatureCount(force=0)
+    return RecordSource(layer, _stated(crs), fields, lambda: _osgeo_records(path, layer), count)
 
 
 def _osgeo_records(path: str, layer: str) -> Iterator[Record]:
@@ -184,6 +190,8 @@ def _osgeo_features(opened: Any, found: Any, layer: str, mixed: bool) -> Iterato
         return
     opened.ResetReading()
     while True:
+        # Millions of features may come before the first one of the layer.
+        check_cancelled()
         answer = opened.GetNextFeature()
         if answer is None or answer[0] is None:
             return
@@ -238,7 +246,8 @@ def _from_pyogrio(path: str, layer: str) -> RecordSource:
         about = reader.read_info(path, layer=layer)
     fields = tuple(str(name) for name in about["fields"])
     kinds = dict(zip(fields, (str(kind) for kind in about["dtypes"])))
-    return RecordSource(layer, _stated(about["crs"] or ""), fields, lambda: _pyogrio_records(path, layer, kinds))
+    crs, count = _stated(about["crs"] or ""), int(about["features"])
+    return RecordSource(layer, crs, fields, lambda: _pyogrio_records(path, layer, kinds), count)
 
 
 def _pyogrio_records(path: str, layer: str, kinds: dict[str, str]) -> Iterator[Record]:

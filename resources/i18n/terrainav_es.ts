@@ -16353,6 +16353,21 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>{0}: no tiene el campo {1!r}, sino {2}</translation>
     </message>
     <message>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>{0}: opening…</source>
+        <translation>{0}: abriendo…</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>{0}: {1:,} features read</source>
+        <translation>{0}: leídos {1:,} elementos</translation>
+    </message>
+    <message>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>{0}: {1:,} of {2:,} features read</source>
+        <translation>{0}: leídos {1:,} de {2:,} elementos</translation>
+    </message>
+    <message>
         <location filename="../../core/vectors/names.py"/>
         <source>{0}: no such file</source>
         <translation>{0}: no existe tal archivo</translation>

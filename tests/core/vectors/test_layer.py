@@ -6,16 +6,18 @@ import json
 import pickle
 import struct
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
-from terrainav.core.errors import InvalidInput
+from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.vectors import index, reading
 from terrainav.core.vectors import layer as layers
 from terrainav.core.vectors.features import LINE, POINT, POLYGON
 from terrainav.core.vectors.layer import open_layer, parse_layer
 from terrainav.core.vectors.shaping import Reference
+from terrainav.core.waiting import cancellable, reporting
 
 SQUARE = [[7.0, 46.0], [7.0, 46.001], [7.001, 46.001], [7.001, 46.0], [7.0, 46.0]]
 HOLE = [[7.0002, 46.0002], [7.0004, 46.0002], [7.0004, 46.0004], [7.0002, 46.0004], [7.0002, 46.0002]]
@@ -243,3 +245,63 @@ def test_two_readers_give_the_same_of_openstreetmap(tmp_path, monkeypatch):
         found.append((layer.count, layer.repaired, layer.dropped, layer.fields, layer.values("roof:shape")))
         assert layer.features(*EVERYWHERE).number.size == layer.count - layer.dropped
     assert found[0] == found[1]
+
+
+def squares(path, count):
+    """File of squares in a row, 0.01 degrees apart."""
+    west = [7.0 + 0.01 * at for at in range(count)]
+    shapes = [
+        polygon([[x + a, 46.0 + b] for a, b in ((0, 0), (5e-3, 0), (5e-3, 5e-3), (0, 5e-3), (0, 0))]) for x in west
+    ]
+    return geojson(path, shapes)
+
+
+def test_indexing_reports_features_and_can_be_cancelled(tmp_path, monkeypatch, by):
+    path = squares(tmp_path / "roofs.geojson", 25)
+    monkeypatch.setattr(index, "_BATCH", 10)
+    said = []
+    with pytest.raises(Cancelled), cancellable(lambda: len(said) == 3), reporting(said.append):
+        open_layer(path, index_dir=tmp_path / "index")
+    assert [*map(str, said)] == [
+        "roofs.geojson: opening…",
+        "roofs.geojson: 10 of 25 features read",
+        "roofs.geojson: 20 of 25 features read",
+    ]
+    # Nothing is left of it, and the next one reads all.
+    assert not list((tmp_path / "index").iterdir())
+    said.clear()
+    with reporting(said.append):
+        layer = open_layer(path, index_dir=tmp_path / "index")
+        assert layer.count == 25
+        assert str(said[-1]) == "roofs.geojson: 25 of 25 features read"
+        said.clear()
+        open_layer(path, index_dir=tmp_path / "index")
+    assert said == []
+    with pytest.raises(Cancelled), cancellable(lambda: True):
+        layer.values("n")
+
+
+def test_threads_that_need_one_index_write_it_once(tmp_path, monkeypatch):
+    path = squares(tmp_path / "roofs.geojson", 25)
+    monkeypatch.setattr(index, "_BATCH", 5)
+    written, said = [], []
+    write = layers._write
+    monkeypatch.setattr(layers, "_write", lambda *how: (written.append(how), write(*how)))
+    with ThreadPoolExecutor(4) as pool:
+        opened = list(pool.map(lambda _: open_layer(path, index_dir=tmp_path / "index"), range(4)))
+    assert len(written) == 1
+    assert all(one == opened[0] for one in opened)
+    # One that waits for another's can be cancelled.
+    with layers._INDEXING, pytest.raises(Cancelled), cancellable(lambda: True), reporting(said.append):
+        open_layer(squares(tmp_path / "other.geojson", 3), index_dir=tmp_path / "index")
+    assert said == []
+
+
+def test_features_in_a_box_are_counted_and_limited(tmp_path):
+    layer = open_layer(squares(tmp_path / "roofs.geojson", 25), index_dir=tmp_path / "index")
+    box = (7.02, 45.0, 7.101, 47.0)
+    assert layer.count_in(*box) == 9
+    assert layer.count_in(*(at + 360.0 * (side % 2 == 0) for side, at in enumerate(box))) == 9
+    assert layer.features(*box).number.tolist() == list(range(3, 12))
+    assert layer.features(*box, most=4).number.tolist() == [3, 4, 5, 6]
+    assert len(layer.features(*box, most=0)) == 0
