@@ -184,7 +184,8 @@ def add_load(loading: argparse.ArgumentParser) -> None:
         nargs="+",
         choices=TARGETS,
         default=TARGETS[:1],
-        help="labels: the image's centre, the camera's place, its height, its attitude (default image)",
+        help="labels: the image's centre, the camera's place, its height, its attitude, the class and the instance of "
+        "each pixel (default image)",
     )
     loading.add_argument("--batch-size", metavar="N", help="images in a batch (default 8)")
     loading.add_argument("--seed", metavar="N", help="of order and augmentation (default 2024)")

@@ -183,11 +183,12 @@ def run_load(arguments: argparse.Namespace) -> int:
         config=arguments.config,
     )
     samples, batches = _loader(arguments, values)
-    shapes: Counter[tuple[tuple[int, ...], tuple[int, ...]]] = Counter()
+    shapes: Counter[tuple[tuple[int, ...], tuple[tuple[int, ...], ...]]] = Counter()
     begun = time.perf_counter()
     try:
         for images, labels in batches:
-            shapes[tuple(images.shape), tuple(labels.shape)] += 1
+            arrays = labels if isinstance(labels, (tuple, list)) else (labels,)
+            shapes[tuple(images.shape), tuple(tuple(one.shape) for one in arrays)] += 1
     except InvalidInput as wrong:
         # An error of a PyTorch worker process contains its traceback, whose last line has the message.
         raise InvalidInput(str(wrong).strip().rpartition("\n")[2].rpartition("InvalidInput: ")[2]) from wrong
@@ -261,9 +262,10 @@ def _load_document(
         "fitted_on": samples.labels.fitted_on,
         "columns": list(samples.columns),
         "batches": [
-            {"count": count, "images": list(images), "labels": list(labels)}
+            {"count": count, "images": images, "labels": labels[0] if len(labels) == 1 else labels}
             for (images, labels), count in shapes.items()
         ],
+        **({"classes": samples.classes.to_json()} if samples.pixel_targets else {}),
         "seconds": seconds,
         "images_per_s": len(samples) / seconds,
     }
@@ -276,12 +278,20 @@ def _print_load(arguments: argparse.Namespace, samples: LabelledImages, shapes: 
         f"{samples.images.map_type}, {part}: {len(samples):,} images of {width} x {height} px and {channels} "
         f"channel{'s' * (channels > 1)}, {'augmented' if samples.augment is not None else 'not augmented'}"
     )
-    columns = "" if tuple(arguments.targets) == (IMAGE,) else f": {', '.join(samples.columns)}"
-    print(f"labels in {samples.labels.frame.crs}, scaled by the images of {samples.labels.fitted_on}{columns}")
-    for note in samples.labels.notes:
-        print(note)
-    for (images, labels), count in shapes.items():
-        print(f"{count:,} batch{'es' * (count > 1)}: images {images} {samples.dtype}, labels {labels} float32")
+    if samples.columns:
+        columns = "" if tuple(arguments.targets) == (IMAGE,) else f": {', '.join(samples.columns)}"
+        print(f"labels in {samples.labels.frame.crs}, scaled by the images of {samples.labels.fitted_on}{columns}")
+        for note in samples.labels.notes:
+            print(note)
+    if samples.pixel_targets:
+        table = samples.classes
+        named = "".join(f", {one.id} {one.name}" for one in table.classes)
+        print(printable(f"classes 0 background{named}, {table.ignore} ignore"))
+    names = (*samples.pixel_targets, *(["labels"] if samples.columns else []))
+    types = (*["int64"] * len(samples.pixel_targets), "float32")
+    for (images, shape), count in shapes.items():
+        labels = ", ".join(f"{name} {of} {dtype}" for name, of, dtype in zip(names, shape, types))
+        print(f"{count:,} batch{'es' * (count > 1)}: images {images} {samples.dtype}, {labels}")
     print(f"{len(samples) / seconds:,.0f} images per second ({arguments.loader}, {seconds:.2f} s)")
 
 

@@ -6,6 +6,7 @@ table      read and write ``meta_data.csv``
 stored     images that are objects of a store or ranges of shards
 geotiff    GeoTIFFs with bands other than 8-bit grey or colour
 dataset    read a dataset: map types, tables, image files
+label_images  class and instance of each pixel
 published  positions and flights in the names of the paper's published data
 vectors    check a dataset's GeoJSON before another program opens it
 vbn        the paper's Night Vision supplement

@@ -490,7 +490,7 @@ def open_image(
     try:
         # Decode from memory: libtiff and Pillow both close the file of a compressed TIFF, and the second call may close
         # a file that another thread has opened in between.
-        data = _read(path)
+        data = read_image_file(path)
         stored = _parse_bands(path, data, expected_px)
         if stored is not None:
             return _shown(path, stored, img_size, as_shown=as_shown)
@@ -501,7 +501,7 @@ def open_image(
                     path,
                     image.mode,
                 )
-            _check_size(path, image, expected_px)
+            check_px(path, image.size, expected_px)
             if img_size is None:
                 return _convert_mode(image, "L" if image.mode in _GREY else "RGB")
             width, height, channels = img_size
@@ -544,7 +544,7 @@ def open_masked(
     if stored is not None:
         seen = stored.seen()
         return pixels, None if seen is None else seen.astype(np.uint8) * np.uint8(255)
-    with open_undecoded(path, _read(path)) as image:
+    with open_undecoded(path, read_image_file(path)) as image:
         masked = "A" in image.getbands()
         return pixels, np.asarray(image.getchannel("A"), np.uint8) if masked else None
 
@@ -560,7 +560,7 @@ def open_bands(path: Place, expected_px: tuple[float, float] = _UNKNOWN_PX) -> G
     if _suffix(path) not in _GEOTIFF:
         return None
     try:
-        data = _read(path)
+        data = read_image_file(path)
     except OSError:
         return None
     return _parse_bands(path, data, expected_px)
@@ -575,7 +575,7 @@ def read_band_metadata(path: Place, channels: int) -> Bands | None:
         1 or 3, for images other than GeoTIFFs.
     """
     if _suffix(path) in _GEOTIFF:
-        return parse_bands(_read(path))
+        return parse_bands(read_image_file(path))
     if isinstance(path, StoredImage):
         return None
     sidecar = Path(f"{path}.aux.xml")
@@ -592,7 +592,7 @@ def _parse_bands(path: Place, data: bytes, expected_px: tuple[float, float]) -> 
     except (ValueError, zlib.error) as wrong:
         raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     if stored is not None:
-        _check_size(path, stored, expected_px)
+        check_px(path, stored.size, expected_px)
     return stored
 
 
@@ -616,7 +616,7 @@ def image_size(path: Place) -> tuple[int, int]:
     """Read the width and height of an image in px; raises InvalidInput or one of `UNREADABLE`."""
     if _suffix(path) in _GEOTIFF:
         # Do not decode pixels: many images are read.
-        stored = parse_geotiff(_read(path))
+        stored = parse_geotiff(read_image_file(path))
         if stored is not None:
             return stored.size
     with open_undecoded(path) as image:
@@ -641,7 +641,7 @@ def open_undecoded(path: Place, data: bytes | None = None) -> Iterator[Image.Ima
         if data is None and not isinstance(path, StoredImage):
             file = open_foreign(path)
         else:
-            file = io.BytesIO(_read(path) if data is None else data)
+            file = io.BytesIO(read_image_file(path) if data is None else data)
         # Only formats that captures write: each of Pillow's decoders is a risk.
         formats = ("JPEG", "PNG", "TIFF")
         image = opened.enter_context(Image.open(opened.enter_context(file), formats=formats))
@@ -653,7 +653,8 @@ def open_undecoded(path: Place, data: bytes | None = None) -> Iterator[Image.Ima
         yield image
 
 
-def _read(path: Place) -> bytes:
+def read_image_file(path: Place) -> bytes:
+    """Read the bytes of an image; raises InvalidInput or OSError."""
     if isinstance(path, StoredImage):
         return path.read_bytes()
     try:
@@ -666,13 +667,14 @@ def _suffix(path: Place) -> str:
     return (path if isinstance(path, StoredImage) else Path(path)).suffix.lower()
 
 
-def _check_size(path: Place, image: Image.Image | GeoTiff, expected_px: tuple[float, float]) -> None:
-    if any(expected == expected and expected != size for expected, size in zip(expected_px, image.size)):
+def check_px(path: Place, size: tuple[int, int], expected_px: tuple[float, float]) -> None:
+    """Raise InvalidInput if an image has another width and height than the table states; NaN is unknown."""
+    if any(expected == expected and expected != length for expected, length in zip(expected_px, size)):
         raise InvalidInput(
             "image {0}: has {1} x {2} px, and {3:g} x {4:g} px in the table",
             path,
-            image.size[0],
-            image.size[1],
+            size[0],
+            size[1],
             expected_px[0],
             expected_px[1],
             remedy="capture it again, or put the table right",

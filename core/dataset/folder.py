@@ -20,6 +20,8 @@ FOOTPRINTS_FILE = "footprints.geojson"
 TABLE_FILE = "meta_data.csv"
 #: Tables of labels: ids, names and colours of classes; class, layer and feature of each instance.
 CLASSES_FILE, INSTANCES_FILE = "classes.json", "instances.csv"
+#: Folders of images of labels.
+PIXEL_LABELS = CLASSES, INSTANCES = ("classes", "instances")
 #: Folder beside the images of a map type, with the images that cleaning has moved away.
 REJECTED_FOLDER = "rejected"
 #: The map type whose entropies decide on all images of a place.
@@ -39,8 +41,8 @@ SHARES = (0.8, 0.1, 0.1)
 SEED = 2024
 #: How images are ordered or grouped before they are split.
 AUTO, *_ = WAYS = ("auto", "shuffled", "in-order", "blocks")
-#: Contents of labels: the image's centre, and the camera's position, height and attitude.
-TARGETS = IMAGE, CAMERA, HEIGHT, ATTITUDE = ("image", "camera", "height", "attitude")
+#: Contents of labels: the image's centre, and the camera's position, height and attitude; class and instance of pixels.
+TARGETS = IMAGE, CAMERA, HEIGHT, ATTITUDE, *_ = ("image", "camera", "height", "attitude", *PIXEL_LABELS)
 #: Frames of labels by name; others are given as ``EPSG:…``.
 FRAMES = ("utm", "mercator", "mission")
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import re
 import tarfile
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple, Union
 
@@ -100,13 +100,24 @@ class StoredImage:
         return found
 
     def endings(self) -> Iterator[str]:
-        """Yield endings of the image's files, which follow each other in the shard.
+        """Yield endings of the image's files; raises InvalidInput as `companion`."""
+        return (ending for ending, _ in self._files())
+
+    def companion(self, endings: Collection[str]) -> StoredImage | None:
+        """First of the image's files in the shard with one of some endings, such as ``.depth.tif``.
 
         Raises
         ------
         InvalidInput
             As `members`; or a member is not a regular file, or exceeds the shard.
         """
+        for ending, place in self._files():
+            if ending in endings:
+                return replace(self, name=Path(self.name).stem + ending, range=place)
+        return None
+
+    def _files(self) -> Iterator[tuple[str, Range]]:
+        """Yield endings and ranges of the image's files, which follow each other in the shard."""
         if self.range is None:
             return
         key = None
@@ -124,7 +135,7 @@ class StoredImage:
                     self.name,
                     member.offset,
                 )
-            yield member.name[len(key) :]
+            yield member.name[len(key) :], Range(member.offset + TAR_BLOCK_BYTES, member.size)
 
     def _part(self, start: int, length: int) -> bytes:
         """Read bytes of the shard."""

@@ -252,8 +252,8 @@ def read_side_file(layer_file: Path) -> dict[str, Mapping[str, Any]]:
         raise _unread(path, Message("it must hold a list named classes")) from wrong
 
 
-def read_classes(data: bytes, name: str) -> tuple[LabelClass, ...]:
-    """Classes of the content of a ``classes.json``.
+def read_classes(data: bytes, name: str) -> ClassTable:
+    """Classes of a dataset, from the content of its ``classes.json``.
 
     Parameters
     ----------
@@ -267,12 +267,18 @@ def read_classes(data: bytes, name: str) -> tuple[LabelClass, ...]:
         The content is not as `ClassTable.to_json` returns it.
     """
     try:
-        found = [_entry(one) for one in parse_json(data)["classes"]]
-        return tuple(LabelClass(one["id"], one["name"], one["color"]) for one in found)
+        content = parse_json(data)
+        entries = [_entry(one) for one in content["classes"]]
+        table = ClassTable(tuple(LabelClass(one["id"], one["name"], one["color"]) for one in entries))
+        background, ignore = content["background"], content["ignore"]
     except InvalidInput as wrong:
         raise _unread(name, wrong) from wrong
     except (AttributeError, KeyError, TypeError) as wrong:
-        raise _unread(name, Message("it must hold a list named classes, with id, name and color")) from wrong
+        raise _unread(name, Message("it must hold background, ignore, and classes of id, name and color")) from wrong
+    if (background, ignore) != (BACKGROUND, table.ignore):
+        why = Message("background {0!r} and ignore {1!r} must be {2} and {3}", background, ignore, 0, table.ignore)
+        raise _unread(name, why)
+    return table
 
 
 def _entry(one: Mapping[str, Any]) -> dict[str, Any]:

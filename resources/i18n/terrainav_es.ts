@@ -9029,6 +9029,36 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>{0}: no tiene fila de {1}</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/label_images.py"/>
+        <source>capture it with labels</source>
+        <translation>captúrelo con etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/label_images.py"/>
+        <source>folder {0}: has no {1}, as it was captured without labels</source>
+        <translation>carpeta {0}: no tiene {1}, pues se capturó sin etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/label_images.py"/>
+        <source>image {0}: its shard has no {1}, which are with the first map type of a mission</source>
+        <translation>imagen {0}: su fragmento no tiene {1}, que están con el primer tipo de mapa de una misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/label_images.py"/>
+        <source>labels {0}: are not there</source>
+        <translation>etiquetas {0}: no están</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/label_images.py"/>
+        <source>labels {0}: cannot be read ({1})</source>
+        <translation>etiquetas {0}: no se pueden leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/label_images.py"/>
+        <source>labels {0}: must have one channel of whole numbers</source>
+        <translation>etiquetas {0}: deben tener un solo canal de números enteros</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/labels.py"/>
         <source>capture or clean anew</source>
         <translation>capture o limpie de nuevo</translation>
@@ -11551,6 +11581,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/labels/classes.py"/>
+        <source>background {0!r} and ignore {1!r} must be {2} and {3}</source>
+        <translation>background {0!r} e ignore {1!r} deben ser {2} y {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/labels/classes.py"/>
         <source>choose a field with fewer values, or none and tell features apart by the product instances</source>
         <translation>elija un campo con menos valores, o ninguno y distinga los objetos por el producto instances</translation>
     </message>
@@ -11576,8 +11611,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/labels/classes.py"/>
-        <source>it must hold a list named classes, with id, name and color</source>
-        <translation>debe contener una lista llamada classes, con id, name y color</translation>
+        <source>it must hold background, ignore, and classes of id, name and color</source>
+        <translation>debe contener background, ignore y classes con id, name y color</translation>
     </message>
     <message>
         <location filename="../../core/labels/classes.py"/>

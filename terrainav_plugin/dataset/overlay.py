@@ -102,7 +102,7 @@ def read_labels(folder: Path, name: str, shown: str, longest_px: int, fetched: M
             return LabelOverlay(None, problem=tr("There are no labels (yet)."))
         table = folder / CLASSES_FILE
         content = read_existing(table, MAX_CLASSES_BYTES)
-        known = () if content is None else read_classes(content, str(table))
+        known = () if content is None else read_classes(content, str(table)).classes
     except (RuntimeError, TerrAInavError) as wrong:
         reason = translate(wrong) if isinstance(wrong, TerrAInavError) else one_line(str(wrong))
         return LabelOverlay(None, problem=tr("The labels cannot be read: {reason}").format(reason=reason))

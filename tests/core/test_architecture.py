@@ -81,7 +81,7 @@ ARROWS = {
     "faces": {*FLOOR, "geodesy", "vectors"},
     "world": {*FLOOR, "geodesy", "imagery"},
     "vectors": {*FLOOR, "geodesy", "imagery"},
-    "dataset": {*FLOOR, "geodesy"},
+    "dataset": {*FLOOR, "geodesy", "labels"},
     "labels": {*FLOOR, "geodesy", "vectors"},
     "picture": {*FLOOR, "geodesy", "mission", "imagery", "elevation", "vectors", "faces", "labels"},
     "capture": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "labels", "picture"},

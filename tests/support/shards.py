@@ -38,7 +38,7 @@ def write_shards(target: Address, folder: Path, images_a_shard: int = 5) -> Path
     All map types are packed, with the products that the capture has beside them.
     """
     place = store_path(target)
-    for name in ("mission.json", "plan.csv", "footprints.geojson"):
+    for name in ("mission.json", "plan.csv", "footprints.geojson", "classes.json", "instances.csv"):
         if (folder / name).is_file():
             _write(place / name, (folder / name).read_bytes())
     tables = sorted(folder.glob("*/meta_data.csv"))
@@ -86,8 +86,9 @@ def _shard(
                 if (folder / (stem + beside)).is_file():
                     add(key + beside, (folder / (stem + beside)).read_bytes())
             for product in products:
-                if (product / f"{stem}.tif").is_file():
-                    add(f"{key}.{product.name}.tif", (product / f"{stem}.tif").read_bytes())
+                for other in (".tif", ".png"):
+                    if (product / f"{stem}{other}").is_file():
+                        add(f"{key}.{product.name}{other}", (product / f"{stem}{other}").read_bytes())
     return file.getvalue(), ranges
 
 

@@ -1,4 +1,4 @@
-"""Augment images: rotate, mirror and zoom them, and optionally change contrast and brightness.
+"""Augment images and their labels: rotate, mirror and zoom them, and optionally change contrast and brightness.
 
 The changes of an image follow only from the seed, the epoch and the image's name, not from the order of images, the
 number of workers, or the machine. The random numbers are the BLAKE2b digest (RFC 7693) of seed, epoch and name, so no
@@ -6,7 +6,7 @@ version of a library can change them. Pixels are the same everywhere, too: coeff
 multiples of 2⁻¹⁶, and bilinear values of 8-bit pixels at such positions fit the 53 bits of a double without rounding.
 
 Rotating, mirroring and zooming keep the centre of the image, and so its label, which is the position of the centre on
-the ground. They change the yaw and the height.
+the ground. They change the yaw and the height. Labels of pixels are changed with the image.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ import struct
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
 from PIL import Image
 
+from ...arrays import NDArray
 from ...errors import InvalidInput
 
 #: Random numbers, one for each quantity of a `Change`, so that leaving out a quantity does not change the others.
@@ -52,6 +54,35 @@ class Change(NamedTuple):
     magnification: float = 1.0
     contrast: float = 1.0
     brightness: float = 0.0
+
+    @property
+    def moves_pixels(self) -> bool:
+        """Whether the image is rotated, mirrored or zoomed."""
+        return (self.rotation_deg, self.mirrored, self.upside_down, self.magnification) != (0, False, False, 1)
+
+
+class _Matrix(NamedTuple):
+    """From a position in the result to that in the image, in px with y down, where (0, 0) is the upper left corner."""
+
+    xx: float
+    xy: float
+    x: float
+    yx: float
+    yy: float
+    y: float
+
+    @classmethod
+    def of(cls, change: Change, width: int, height: int) -> _Matrix:
+        """Matrix of a change of an image, about its middle."""
+        angle = math.radians(change.rotation_deg)
+        cosine, sine = math.cos(angle) / change.magnification, math.sin(angle) / change.magnification
+        across, down = (-1.0 if change.mirrored else 1.0), (-1.0 if change.upside_down else 1.0)
+        # Rounding to multiples of 2^-16 changes positions by 0.003 px at most, 320 px from the centre.
+        steps = 65536
+        xx, xy, yx, yy = (
+            round(one * steps) / steps for one in (cosine * across, -sine * down, sine * across, cosine * down)
+        )
+        return cls(xx, xy, (width - xx * width - xy * height) / 2.0, yx, yy, (height - yx * width - yy * height) / 2.0)
 
 
 @dataclass(frozen=True)
@@ -135,36 +166,43 @@ def apply_change(image: Image.Image, change: Change) -> Image.Image:
     InvalidInput
         The image is too large, or too long and narrow, to be rotated.
     """
-    warped = image
-    if (change.rotation_deg, change.mirrored, change.upside_down, change.magnification) != (
-        0,
-        False,
-        False,
-        1,
-    ):
-        warped = _warp(image, change)
+    warped = _warp(image, change) if change.moves_pixels else image
     return _shade(warped, change) if (change.contrast, change.brightness) != (1, 0) else warped
+
+
+def change_labels(labels: NDArray[np.int64], change: Change, beyond: int) -> NDArray[np.int64]:
+    """Rotate, mirror and zoom labels (h, w) as `apply_change` does their image, by the nearest rule.
+
+    A pixel has the label in which its centre lies. The image continues beyond its borders as its reflection, of which
+    the labels are not known: there they are ``beyond``.
+    """
+    if not change.moves_pixels:
+        return labels
+    height, width = labels.shape
+    matrix = _Matrix.of(change, width, height)
+    x, y = np.arange(width) + 0.5, np.arange(height)[:, np.newaxis] + 0.5
+    # Sums of few multiples of 2^-17 are exact.
+    column = np.floor(matrix.xx * x + matrix.xy * y + matrix.x).astype(np.int64)
+    row = np.floor(matrix.yx * x + matrix.yy * y + matrix.y).astype(np.int64)
+    inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    return np.where(inside, labels[np.where(inside, row, 0), np.where(inside, column, 0)], beyond)
+
+
+def resize_labels(labels: NDArray[np.int64], height: int, width: int) -> NDArray[np.int64]:
+    """Resize labels (h, w) to (height, width): the labels at the centres of the pixels."""
+    rows, columns = ((2 * np.arange(new) + 1) * old // (2 * new) for new, old in zip((height, width), labels.shape))
+    found: NDArray[np.int64] = labels[rows[:, np.newaxis], columns]
+    return found
 
 
 def _warp(image: Image.Image, change: Change) -> Image.Image:
     """Rotate, mirror and zoom an image."""
     width, height = image.size
-    angle = math.radians(change.rotation_deg)
-    cosine, sine = math.cos(angle) / change.magnification, math.sin(angle) / change.magnification
-    across, down = (-1.0 if change.mirrored else 1.0), (-1.0 if change.upside_down else 1.0)
-    # Matrix from a pixel of the result to its position in the image, with y down. Rounding to multiples of 2^-16
-    # changes positions by 0.003 px at most, 320 px from the centre.
-    steps = 65536
-    xx, xy, yx, yy = (
-        round(one * steps) / steps for one in (cosine * across, -sine * down, sine * across, cosine * down)
-    )
-    beside = _overhang_px(abs(xx) * width + abs(xy) * height, width)
-    above = _overhang_px(abs(yx) * width + abs(yy) * height, height)
-    x = beside + (width - xx * width - xy * height) / 2.0
-    y = above + (height - yx * width - yy * height) / 2.0
-    return _add_reflections(image, beside, above).transform(
-        image.size, Image.AFFINE, (xx, xy, x, yx, yy, y), Image.BILINEAR
-    )
+    matrix = _Matrix.of(change, width, height)
+    beside = _overhang_px(abs(matrix.xx) * width + abs(matrix.xy) * height, width)
+    above = _overhang_px(abs(matrix.yx) * width + abs(matrix.yy) * height, height)
+    matrix = matrix._replace(x=beside + matrix.x, y=above + matrix.y)
+    return _add_reflections(image, beside, above).transform(image.size, Image.AFFINE, matrix, Image.BILINEAR)
 
 
 def _overhang_px(seen_px: float, size_px: int) -> int:

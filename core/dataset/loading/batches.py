@@ -19,17 +19,32 @@ from ...arrays import NDArray
 from ...bands import Bands
 from ...errors import InvalidInput, Message, OptionName, OutputError
 from ...external.importing import imported
+from ...labels.classes import ClassTable
 from ...storage.stores import Address, is_address, is_file
 from ..dataset import Dataset, ImageSet, first_names, open_image, read_band_metadata, read_dataset
-from ..folder import ATTITUDE, CAMERA, HEIGHT, IMAGE, PARTS, TABLE_FILE, TARGETS, TRAIN
+from ..folder import (
+    ATTITUDE,
+    CAMERA,
+    CLASSES,
+    HEIGHT,
+    IMAGE,
+    PARTS,
+    PIXEL_LABELS,
+    TABLE_FILE,
+    TARGETS,
+    TRAIN,
+)
+from ..label_images import LabelImages
 from ..labels import LABELS_FILE, Labels, make_dataset_labels
 from ..stored import ImageFile, StoredImage
 from ..table import GAP, image_parts, usable_rows
-from .augment import Augmentation
+from .augment import Augmentation, Change, change_labels, resize_labels
 from .streaming import ShardCache, Shards, random_numbers
 
 _Batch = TypeVar("_Batch")
 Indices = Union[Sequence[int], NDArray[np.int64]]
+#: Labels of a batch: numbers (b, k), labels of pixels (b, height, width), or a tuple of arrays.
+BatchLabels = Union[NDArray[Any], tuple[NDArray[Any], ...]]
 
 #: All images except failed and rejected ones, whether or not the dataset is split.
 ALL = "all"
@@ -80,7 +95,8 @@ class LabelledImages:
     targets : sequence of str
         Contents of the labels, in order: the ``image``'s centre on the ground and the ``camera``'s position, as scaled
         eastings and northings; the camera's ``height`` above ground in metres, and its ``attitude``: yaw, tilt and roll
-        in degrees. With either, ``auto`` augments nothing, as rotating and zooming would make it wrong.
+        in degrees. With either, ``auto`` augments nothing, as rotating and zooming would make it wrong. ``classes`` and
+        ``instances`` are labels (height, width) of the pixels, see `pixel_labels`.
     shards_at_once : int
         Number of shards in a group; with shards as captures pack them, a group holds some thousands of images. Shards
         are shuffled, and then the images of each group. A larger number makes the order more random, but keeps more
@@ -94,11 +110,13 @@ class LabelledImages:
     names : tuple of str
         Image names without ending.
     values : array (n, k) of float32
-        Labels.
+        Labels, without those of pixels.
     columns : tuple of k str
         Names of the label columns, with units; ``easting`` and ``northing`` are scaled.
     labels : Labels
         Frame and scaler of positions; `Labels.positions` converts back to latitude and longitude.
+    pixel_targets : tuple of str
+        Those of ``classes`` and ``instances`` that are among the targets, in their order.
     bands : Bands or None
         With ``stored``, the bands that the first image states: names, and scale, offset and unit of values
         (`Bands.each_metadata`). None with other types, and if the image states no bands.
@@ -147,7 +165,12 @@ class LabelledImages:
         self.names = tuple(Path(self.images.table.img_names[row]).stem for row in self._rows)
         self._shards, self._cache = _streamed(self.images, self._rows, shards_at_once, cache_mb)
         self.labels = _labels(dataset, self.images) if labels is None else labels
-        self.columns = tuple(column for target in targets for column in _COLUMNS[target])
+        self.columns = tuple(column for target in targets for column in _COLUMNS.get(target, ()))
+        self.pixel_targets = tuple(target for target in targets if target in PIXEL_LABELS)
+        self._label_images = LabelImages(self.images)
+        if self.pixel_targets:
+            # Read the table now, so that a dataset without labels is refused at once.
+            _ = self.classes
         self.values = np.concatenate([_values(one, self.labels, self.images, self._rows) for one in targets], axis=1)
         self.shape, self.dtype = self._shape(), np.dtype(BYTES if self._is_stored else dtype)
         self.bands: Bands | None = None
@@ -178,6 +201,17 @@ class LabelledImages:
     def folder(self) -> Address:
         """Folder or address of the images."""
         return self.images.folder
+
+    @property
+    def classes(self) -> ClassTable:
+        """Ids, names and colours of the dataset's classes, and the ids of background and ignore.
+
+        Raises
+        ------
+        InvalidInput
+            The dataset has no labels of pixels.
+        """
+        return self._label_images.classes
 
     def path(self, index: int) -> Path:
         """File of an image; raises InvalidInput if images are not files of a local folder."""
@@ -253,7 +287,39 @@ class LabelledImages:
             found = self.augment.apply(found, self.names[index], self.seed, epoch)
         return np.asarray(found).reshape(self.shape)
 
-    def batch(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
+    def pixel_labels(self, index: int, epoch: int = 0) -> tuple[NDArray[np.int64], ...]:
+        """Read the labels (height, width) of an image's pixels for an epoch, one array for each of ``pixel_targets``.
+
+        They are resized, rotated, mirrored and zoomed with the image, by the nearest rule. Where an augmented image
+        shows its reflection, its class is `ClassTable.ignore` and its instance 0.
+
+        Raises
+        ------
+        InvalidInput
+            The labels cannot be read, or have another size than the image.
+        """
+        height, width, _ = self.shape
+        change = Change()
+        if self.augment is not None:
+            change = self.augment.draw_change(self.names[index], self.seed, epoch)
+        found = []
+        for target in self.pixel_targets:
+            labels = self._label_images.pixels(target, int(self._rows[index]), image=self.file(index))
+            if self.img_size is not None:
+                labels = resize_labels(labels, height, width)
+            elif labels.shape != (height, width):
+                raise InvalidInput(
+                    "{0} of {1}: of {2} x {3} px, where images have {4} x {5}",
+                    target,
+                    self.names[index],
+                    *labels.shape[::-1],
+                    width,
+                    height,
+                )
+            found.append(change_labels(labels, change, self.classes.ignore if target == CLASSES else 0))
+        return tuple(found)
+
+    def batch(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], BatchLabels]:
         """Read images and labels as `take` does, for indices that follow each other in the order of an epoch.
 
         Shards of an object store are fetched whole, and the next shards in the background.
@@ -264,18 +330,22 @@ class LabelledImages:
                 self._cache.hold(needed, ahead)
         return self.take(indices, epoch)
 
-    def take(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
-        """Read images (b, height, width, channels) and labels (b, k) for an epoch.
+    def take(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], BatchLabels]:
+        """Read images (b, height, width, channels) and labels for an epoch.
+
+        Labels are float32 (b, k); with one pixel target alone, int64 (b, height, width), as losses of frameworks take
+        them; otherwise a tuple of the pixel targets' arrays and then, if there are other targets, theirs.
 
         Raises
         ------
         InvalidInput
-            As `image`, or the batch does not fit into memory.
+            As `image` and `pixel_labels`, or the batch does not fit into memory.
         """
+        height, width, channels = self.shape
         try:
             images = np.empty((len(indices), *self.shape), self.dtype)
+            of_pixels = [np.empty((len(indices), height, width), np.int64) for _ in self.pixel_targets]
         except MemoryError as wrong:
-            height, width, channels = self.shape
             raise InvalidInput(
                 "batch of {0:,} images of {1} x {2} px and {3} channels: does not fit into memory",
                 len(indices),
@@ -284,11 +354,17 @@ class LabelledImages:
                 channels,
                 remedy="take smaller batches, or smaller images",
             ) from wrong
-        for one, index in zip(images, indices):
-            one[...] = self.image(int(index), epoch)
+        for place, index in enumerate(indices):
+            images[place] = self.image(int(index), epoch)
+            for labels, found in zip(of_pixels, self.pixel_labels(int(index), epoch)):
+                labels[place] = found
         if not self._is_stored and self.dtype != np.uint8:
             np.divide(images, np.float32(255.0), out=images)
-        return images, self.values[np.asarray(indices, np.int64)]
+        wanted: tuple[NDArray[Any], ...] = (
+            *of_pixels,
+            *([self.values[np.asarray(indices, np.int64)]] if self.columns else []),
+        )
+        return images, wanted[0] if len(wanted) == 1 else wanted
 
 
 @runtime_checkable
@@ -308,10 +384,10 @@ class Ordered(Protocol):
     def order(self, epoch: int = 0) -> NDArray[np.int64]:
         """Indices (n,) in the order of an epoch."""
 
-    def batch(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, NDArray[np.float32]]:
+    def batch(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, BatchLabels]:
         """Images, or a tuple of arrays of images, and labels, for consecutive indices of an epoch."""
 
-    def take(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, NDArray[np.float32]]:
+    def take(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, BatchLabels]:
         """Images and labels, as of `batch`, for any indices of an epoch."""
 
 
@@ -382,8 +458,8 @@ class Batches:
     def __len__(self) -> int:
         return len(self._chunks)
 
-    def __iter__(self) -> Iterator[tuple[Any, NDArray[np.float32]]]:
-        """Yield images (b, height, width, channels) and labels (b, 2)."""
+    def __iter__(self) -> Iterator[tuple[Any, BatchLabels]]:
+        """Yield images (b, height, width, channels) and labels, as `LabelledImages.take`."""
         epoch, order = self.epoch, self.samples.order(self.epoch)
         self._position.begin(epoch)
         rest = self._chunks[self._position.first :]
@@ -391,10 +467,8 @@ class Batches:
             return self._position.counted(self._ahead(epoch, order, rest))
         return self._position.counted(self.samples.batch(order[chunk], epoch) for chunk in rest)
 
-    def _ahead(
-        self, epoch: int, order: NDArray[np.int64], rest: Sequence[slice]
-    ) -> Iterator[tuple[Any, NDArray[np.float32]]]:
-        waiting: deque[Future[tuple[Any, NDArray[np.float32]]]] = deque()
+    def _ahead(self, epoch: int, order: NDArray[np.int64], rest: Sequence[slice]) -> Iterator[tuple[Any, BatchLabels]]:
+        waiting: deque[Future[tuple[Any, BatchLabels]]] = deque()
         with _pool(self._workers, waiting) as pool:
             for chunk in rest:
                 waiting.append(pool.submit(self.samples.batch, order[chunk], epoch))
@@ -659,8 +733,10 @@ def _check_targets(targets: Sequence[str], augment: Augmentation | str | None) -
 
 
 def _values(target: str, labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Labels (n, 1 to 3) of rows; raises InvalidInput for positions outside the frame and for missing poses."""
+    """Labels (n, 0 to 3) of rows; raises InvalidInput for positions outside the frame and for missing poses."""
     table = images.table
+    if target in PIXEL_LABELS:
+        return np.empty((len(rows), 0), np.float32)
     if target in (HEIGHT, ATTITUDE):
         columns = (table.agl_m,) if target == HEIGHT else (table.yaw_deg, table.tilt_deg, table.roll_deg)
         found: NDArray[np.float32] = np.stack([column[rows] for column in columns], axis=1).astype(np.float32)

@@ -7,17 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import NDArray
 from ...storage.stores import Address
 from ..dataset import Dataset
-from .batches import Ordered, chunks, make_samples, optional_module
+from .batches import BatchLabels, Ordered, chunks, make_samples, optional_module
 
 
 class _KerasSamples:
     """Batches by index, for ``fit``, ``evaluate`` and ``predict``.
 
     Images are arrays (b, height, width, channels), or (b, channels, height, width) according to
-    ``keras.config.image_data_format()``, of float32 from 0 to 1 or uint8; labels are float32 arrays (b, 2).
+    ``keras.config.image_data_format()``, of float32 from 0 to 1 or uint8; labels are float32 arrays (b, 2), or with the
+    target ``classes`` int64 arrays (b, height, width), see `LabelledImages.take`.
 
     Order and augmentation follow from the seed, the epoch and the images' names. ``fit`` begins with epoch 1, as Keras
     reports the end of an epoch before the first one. For the order of `Batches`, pass ``shuffle=False`` to ``fit``,
@@ -80,7 +80,7 @@ class _KerasSamples:
     def __len__(self) -> int:
         return len(self._chunks)
 
-    def __getitem__(self, index: int) -> tuple[Any, NDArray[np.float32]]:
+    def __getitem__(self, index: int) -> tuple[Any, BatchLabels]:
         epoch, order = self._epoch_and_order
         images, labels = self.samples.batch(order[self._chunks[index]], epoch)
         if not self._channels_first:

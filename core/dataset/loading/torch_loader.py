@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from multiprocessing import get_all_start_methods
 from typing import Any
@@ -38,8 +38,9 @@ class _TorchSamples:
     """Map-style dataset: (image, label) of an index, or (images, labels) of a list of indices.
 
     Images are tensors (channels, height, width) or (b, channels, height, width) of float32 from 0 to 1 or uint8; labels
-    are float32 tensors (2,) or (b, 2). Augmentation follows from the seed, the epoch and the image's name, whatever the
-    number of workers.
+    are tensors (2,) or (b, 2) of float32; with the target ``classes``, (height, width) or (b, height, width) of int64,
+    see `LabelledImages.take`; of several, a ``DataLoader`` makes a list. Augmentation follows from the seed, the epoch
+    and the image's name, whatever the number of workers.
 
     Parameters
     ----------
@@ -89,11 +90,8 @@ class _TorchSamples:
             pixels, values = self.samples.batch(index, self.epoch)
         else:
             pixels, values = self.samples.take([index], self.epoch)
-        labels = _torch().from_numpy(values)
-        images = tuple(map(_tensor, pixels)) if isinstance(pixels, tuple) else _tensor(pixels)
-        if isinstance(index, list):
-            return images, labels
-        return tuple(one[0] for one in images) if isinstance(images, tuple) else images[0], labels[0]
+        images, labels = _each(_tensor, pixels), _each(_torch().from_numpy, values)
+        return (images, labels) if isinstance(index, list) else (_each(_first, images), _each(_first, labels))
 
     def batches(self, batch_size: int = 8, workers: int = 0, *, drop_last: bool = False, **options: Any) -> Any:
         """Make a ``torch.utils.data.DataLoader`` of the epoch's batches, in the order of `Batches`.
@@ -125,6 +123,15 @@ class _TorchSamples:
             method = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
             options.setdefault("multiprocessing_context", method)
         return _loader_class()(self, batch_size=None, sampler=order, num_workers=workers, **options)
+
+
+def _each(change: Callable[[Any], Any], values: Any) -> Any:
+    """Change an array, or each of a tuple."""
+    return tuple(map(change, values)) if isinstance(values, tuple) else change(values)
+
+
+def _first(batch: Any) -> Any:
+    return batch[0]
 
 
 def _tensor(pixels: NDArray[Any]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -707,6 +708,22 @@ def _turned_targets(case: Case) -> None:
     shaded = augment.Augmentation(rotation_deg=0.0, flip=False, zoom=0.0, contrast=0.2, brightness=0.1)
     case.follow("take one of contrast and brightness alone", lambda: LabelledImages(folder, augment=shaded, **chosen))
     case.follow("leave the augmentation out", lambda: LabelledImages(folder, augment=None, **chosen))
+
+
+@remedy("dataset/label_images.py", "folder {}: has no {}, as it was captured without labels; capture it with labels")
+def _no_labels(case: Case) -> None:
+    chosen = {"part": "all", "targets": ("classes",)}
+    folder = captured(case)
+    case.refused(lambda: LabelledImages(folder, **chosen))
+    field = {"type": "Polygon", "coordinates": [[[-89.9, 35.156], [-89.895, 35.156], [-89.9, 35.16], [-89.9, 35.156]]]}
+    fields = case.tmp_path / "fields.geojson"
+    fields.write_text(json.dumps({"type": "Feature", "properties": {}, "geometry": field}))
+
+    def with_labels():
+        labelled = captured(case, MISSION.replace(labels=(str(fields),)), "labelled")
+        assert set(np.unique(LabelledImages(labelled, **chosen).take([0])[1])) == {0, 1}
+
+    case.follow("capture it with labels", with_labels)
 
 
 @remedy("dataset/loading/batches.py", "table {}: has split {} ({}); must be one of {} or empty: split anew")

@@ -102,7 +102,9 @@ def test_labels_may_be_of_the_camera(flown):
 
 def test_labels_that_there_are_not_are_refused(folder, flown):
     for targets in ((), "camera", ("camera", "camera"), ("place",)):
-        with pytest.raises(InvalidInput, match="must be some of image, camera, height, attitude, each once"):
+        with pytest.raises(
+            InvalidInput, match="must be some of image, camera, height, attitude, classes, instances, each once"
+        ):
             LabelledImages(folder, part="all", targets=targets)
     for target in ("camera", "height", "attitude"):
         with pytest.raises(InvalidInput, match=f"targets {target}: the table of .* does not have it for 0_0_"):
