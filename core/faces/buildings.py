@@ -16,7 +16,7 @@ from ..geodesy.raytracing.surface import Surface
 from ..geodesy.raytracing.tracing import ElevationModel
 from ..geodesy.triangles import FLOOR, ROOF, SKIRT_M, Triangles
 from ..vectors.features import Features
-from ..vectors.layer import VectorLayer, open_layer, parse_layer
+from ..vectors.layer import VectorLayer
 from .heights import LEVEL_M, Value, read_colour, read_direction_deg, read_length_m, read_number
 from .roofs import FLAT, NEAREST, PITCH_DEG, SHAPES, Roof, Solid, build, pitched_height_m
 from .triangulation import open_ring
@@ -53,11 +53,18 @@ class BuildingOptions:
         Height of buildings without height and levels.
     seed : int
         Chooses the colours.
+    datum, height_unit : str
+        Vertical datum and unit of absolute heights, as in `elevation.datum`; empty: those that the file states.
+    height_offset_m : float
+        Added to absolute heights whose datum is not known to PROJ here.
     """
 
     height_field: str = ""
     default_height_m: float = 6.0
     seed: int = 0
+    datum: str = ""
+    height_unit: str = ""
+    height_offset_m: float = 0.0
 
 
 @dataclass
@@ -125,6 +132,7 @@ class FootprintBuildings:
         self.title, self.attribution = layer.title, layer.attribution
         self.counts = BuildingCounts()
         self.count = layer.count
+        self.warnings: tuple[str, ...] = ()
         self._layer, self._ground = layer, ground
         heights = (self.options.height_field,) if self.options.height_field else _HEIGHTS
         self._heights = tuple(name for name in heights if name in layer.fields)
@@ -247,9 +255,9 @@ class FootprintBuildings:
             up[len(up) // 2 :] -= SKIRT_M
         place = solid.points_m[:, :2] / one.per_deg + one.origin_deg
         corners = geocentric(place[:, 1], place[:, 0], up + base_m)[solid.triangles[keep]]
-        kind, mixed = solid.kind[keep], (instance * 2654435761 + self.options.seed * 40503) >> 4
-        wall = read_colour(values.get("building:colour")) or _WALLS[mixed % len(_WALLS)]
-        roof = read_colour(values.get("roof:colour")) or _ROOFS[mixed // 7 % len(_ROOFS)]
+        kind, (wall, roof) = solid.kind[keep], plain_colours(instance, self.options.seed)
+        wall = read_colour(values.get("building:colour")) or wall
+        roof = read_colour(values.get("roof:colour")) or roof
         colour = np.where((kind == ROOF)[:, None], roof, wall).astype(np.uint8)
         return Triangles(corners, kind, np.full(len(kind), instance, np.int64), colour, kind == ROOF)
 
@@ -321,16 +329,10 @@ class FootprintBuildings:
         return number
 
 
-def open_buildings(text: str, ground: ElevationModel, options: BuildingOptions | None = None) -> FootprintBuildings:
-    """Buildings of ``FILE[:LAYER]`` on the ground.
-
-    Raises
-    ------
-    InvalidInput
-        The file or layer cannot be opened.
-    """
-    name = parse_layer(text)
-    return FootprintBuildings(open_layer(name.path, name.layer), ground, options)
+def plain_colours(instance: int, seed: int) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+    """Colours of the walls and the roof of a building for which the file has none."""
+    mixed = (instance * 2654435761 + seed * 40503) >> 4
+    return _WALLS[mixed % len(_WALLS)], _ROOFS[mixed // 7 % len(_ROOFS)]
 
 
 def lowest_ground_m(surface: Surface, footprints: list[list[Floats]]) -> Floats:

@@ -44,9 +44,9 @@ def absolute_terrain(terrain: Terrain) -> Terrain:
     buildings = terrain.buildings
     if buildings:
         # Imported here, as only missions with buildings need vector files.
-        from .labels import whole_layer_path
+        from ..faces.opening import whole_building_path
 
-        buildings = tuple(map(whole_layer_path, buildings))
+        buildings = tuple(map(whole_building_path, buildings))
     return replace(terrain, elevation=elevation, surface=surface, buildings=buildings)
 
 
@@ -69,9 +69,17 @@ def _open_buildings(terrain: Terrain, ground: LayeredElevation, seed: int) -> Fa
     if not terrain.buildings:
         return NO_FACES
     # Imported here, as only missions with buildings need vector files.
-    from ..faces.buildings import BuildingOptions, open_buildings
+    from ..faces.buildings import BuildingOptions
+    from ..faces.opening import open_buildings
 
-    options = BuildingOptions(terrain.building_height_field, terrain.building_height_m, seed)
+    options = BuildingOptions(
+        terrain.building_height_field,
+        terrain.building_height_m,
+        seed,
+        terrain.vertical_datum,
+        terrain.height_unit,
+        terrain.height_offset_m,
+    )
     try:
         return joined_faces([open_buildings(text, ground, options) for text in terrain.buildings])
     except TerrAInavError as wrong:

@@ -9755,6 +9755,136 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>método {0}: falló con {1} ({2}, línea {3})</translation>
     </message>
     <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>buildings are set on the ground ({0})</source>
+        <translation>los edificios se ponen sobre el suelo ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>buildings are set on the ground, as it states no vertical datum</source>
+        <translation>los edificios se ponen sobre el suelo, pues no indica ningún datum vertical</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>write the right system after the name, such as {0}#crs=EPSG:7415</source>
+        <translation>escriba el sistema correcto detrás del nombre, por ejemplo {0}#crs=EPSG:7415</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} buildings are above the ground: their walls are longer</source>
+        <translation>{0:,} edificios están por encima del suelo: sus muros se alargan</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} buildings are below the ground</source>
+        <translation>{0:,} edificios están por debajo del suelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} buildings without ground below are left out</source>
+        <translation>se omiten {0:,} edificios sin suelo debajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} buildings without surfaces are left out</source>
+        <translation>se omiten {0:,} edificios sin superficies</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} of {1:,} textures are missing: plain</source>
+        <translation>faltan {0:,} de {1:,} texturas: color liso</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} surfaces and solids were repaired</source>
+        <translation>se repararon {0:,} superficies y sólidos</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} surfaces are missing, as they cannot be read</source>
+        <translation>faltan {0:,} superficies, pues no se pueden leer</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} triangles are missing, as they lie far off</source>
+        <translation>faltan {0:,} triángulos, pues quedan muy lejos</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: has no buildings with surfaces</source>
+        <translation>{0}: no tiene edificios con superficies</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0}: no vertex lies where {1} is defined</source>
+        <translation>{0}: ningún vértice está donde {1} está definido</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>line {0}: {1}</source>
+        <translation>línea {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>write it after the name, such as {0}#crs=EPSG:7415</source>
+        <translation>escríbalo detrás del nombre, por ejemplo {0}#crs=EPSG:7415</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: 'scale' of 'transform' is {1}: must not be 0</source>
+        <translation>{0}: 'scale' de 'transform' es {1}: no debe ser 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: 'transform' is missing, which CityJSON has since version 1.1</source>
+        <translation>{0}: falta 'transform', que CityJSON tiene desde la versión 1.1</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: CityJSON of version {1!r}: must be 1.0, 1.1 or 2.0</source>
+        <translation>{0}: CityJSON de versión {1!r}: debe ser 1.0, 1.1 o 2.0</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/vectors/geojson.py"/>
+        <location filename="../../core/vectors/layer.py"/>
+        <location filename="../../core/vectors/reading.py"/>
+        <source>{0}: cannot be read: {1}</source>
+        <translation>{0}: no se puede leer: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: level of detail {1!r}: must be a number such as 2 or 1.2</source>
+        <translation>{0}: nivel de detalle {1!r}: debe ser un número como 2 o 1.2</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: object {1} is of type {2!r}: must be {3}</source>
+        <translation>{0}: el objeto {1} es de tipo {2!r}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: states no coordinate reference system</source>
+        <translation>{0}: no indica ningún sistema de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: {1!r} is missing</source>
+        <translation>{0}: falta {1!r}</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/cityjson.py"/>
+        <source>{0}: {1!r} of 'transform' is {2}: must be three numbers</source>
+        <translation>{0}: {1!r} de 'transform' es {2}: deben ser tres números</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/opening.py"/>
+        <source>buildings {0}: {1!r} behind # must be crs=CODE, lod=NUMBER, heights=file or heights=ground, each once</source>
+        <translation>edificios {0}: {1!r} detrás de # debe ser crs=CÓDIGO, lod=NÚMERO, heights=file o heights=ground, cada uno una vez</translation>
+    </message>
+    <message>
         <location filename="../../core/fields.py"/>
         <source>a finite number</source>
         <translation>un número finito</translation>
@@ -10975,14 +11105,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/imagery/raster/source.py"/>
         <source>{0}: cannot be read here: {1}</source>
         <translation>{0}: no se puede leer aquí: {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/vectors/geojson.py"/>
-        <location filename="../../core/vectors/layer.py"/>
-        <location filename="../../core/vectors/reading.py"/>
-        <source>{0}: cannot be read: {1}</source>
-        <translation>{0}: no se puede leer: {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>

@@ -78,7 +78,7 @@ ARROWS = {
     "mission": {*FLOOR, "geodesy"},
     "imagery": {*FLOOR, "geodesy"},
     "elevation": {*FLOOR, "geodesy", "imagery"},
-    "faces": {*FLOOR, "geodesy", "vectors"},
+    "faces": {*FLOOR, "geodesy", "imagery", "elevation", "vectors"},
     "world": {*FLOOR, "geodesy", "imagery"},
     "vectors": {*FLOOR, "geodesy", "imagery"},
     "dataset": {*FLOOR, "geodesy", "labels"},

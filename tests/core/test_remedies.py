@@ -7,6 +7,7 @@ import pytest
 from tests.core.remedies import (  # noqa: F401
     benchmarks,
     blocks,
+    buildings,
     commands,
     datasets,
     files,
