@@ -80,6 +80,10 @@ class FaceModel(Protocol):
     def count(self) -> int:
         """Greatest number of a building."""
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was repaired, replaced or left out so far, for users."""
+
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
         """Triangles of all buildings that reach into the bounding box of positions; longitudes are continuous.
 
@@ -94,6 +98,7 @@ class _NoFaces:
     title: str = ""
     attribution: str = ""
     count: int = 0
+    warnings: tuple[str, ...] = ()
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:  # noqa: ARG002
         """No triangles."""
@@ -131,6 +136,11 @@ class _JoinedFaces:
     def count(self) -> int:
         """Greatest number of a building."""
         return self.before[-1] + self.models[-1].count
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings of all models."""
+        return tuple(warning for model in self.models for warning in model.warnings)
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
         """Triangles of all models; see `FaceModel`."""

@@ -384,7 +384,12 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         no_fly_m2=None if coverage is None else coverage.no_fly_m2,
         skip_rows=mission.flight.skip_rows,
         images_in_skipped_rows=plan.in_skipped_rows,
-        warnings=(*imagery_warnings(plan), *upsampling_warnings(plan), *interval_warnings(plan)),
+        warnings=(
+            *imagery_warnings(plan),
+            *upsampling_warnings(plan),
+            *interval_warnings(plan),
+            *building_warnings(plan),
+        ),
         **relief,
         **_flight_figures(plan),
     )
@@ -530,6 +535,11 @@ def imagery_warnings(plan: Plan) -> tuple[str, ...]:
         partly,
     )
     return (text,)
+
+
+def building_warnings(plan: Plan) -> tuple[str, ...]:
+    """Warnings of what files of buildings lack."""
+    return plan.relief.heights.faces.warnings if plan.mission.terrain.buildings else ()
 
 
 def upsampling_warnings(plan: Plan) -> tuple[str, ...]:

@@ -43,6 +43,7 @@ class WorldHouses:
     attribution = "Synthetic landscape, TerrAInav"
     #: Numbers are of 29 bits, see `_houses`.
     count = 1 << 29
+    warnings = ()
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
         """Triangles of the houses that reach into the bounding box of positions; see `FaceModel`."""
