@@ -16,9 +16,9 @@ from ..geodesy.local import geocentric
 from ..geodesy.projections import transformation
 from ..geodesy.raytracing.tracing import ElevationModel
 from ..geodesy.reference import read_reference
-from ..geodesy.triangles import ROOF, WALL, Triangles
+from ..geodesy.triangles import ROOF, SKIRT_M, WALL, Triangles
 from .buildings import BuildingOptions, lowest_ground_m, plain_colours
-from .cityjson import SKIRT_M, CityModel
+from .cityjson import CityModel
 
 #: Degrees of latitude and longitude of the tiles that are placed at a time.
 _TILE_DEG = 0.005

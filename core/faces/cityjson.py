@@ -15,7 +15,7 @@ from ..arrays import Flags, Floats, NDArray, Numbers
 from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.reference import read_reference
-from ..geodesy.triangles import FLOOR, ROOF, WALL
+from ..geodesy.triangles import FLOOR, ROOF, SKIRT_M, WALL
 from ..storage.files import open_foreign, read_limited
 from ..text.plain import one_line
 from ..text.safe_json import parse_json
@@ -24,8 +24,6 @@ from .surfaces import cut, is_closed, rim, volume_m3
 
 #: Largest file, which takes ten times as much memory; tiles of national data sets have up to some 100 MB.
 MAX_CITY_BYTES = 256 << 20
-#: Depth of walls below what they stand on: coarser levels of the relief differ from the finest.
-SKIRT_M = 2.0
 #: Least sine of a roof's or a floor's slope from the vertical; what is steeper is a wall.
 _LEVEL = 0.1
 #: Coordinates from which vertices are taken for wrong: no system reaches there, in feet either.

@@ -14833,8 +14833,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>
-        <source>buildings that stand on the relief with walls and roofs: vector files of footprints (GeoJSON, GeoPackage, OSM …), as FILE or FILE:LAYER; over level ground, give its height as the elevation</source>
-        <translation>edificios que se alzan sobre el relieve con muros y tejados: archivos vectoriales de plantas (GeoJSON, GeoPackage, OSM …), como ARCHIVO o ARCHIVO:CAPA; sobre terreno llano, indique su altura como elevación</translation>
+        <source>buildings that stand on the relief with walls and roofs: vector files of footprints (GeoJSON, GeoPackage, OSM …), as FILE or FILE:LAYER, or CityJSON files; over level ground, give its height as the elevation</source>
+        <translation>edificios que se alzan sobre el relieve con muros y tejados: archivos vectoriales de plantas (GeoJSON, GeoPackage, OSM …), como ARCHIVO o ARCHIVO:CAPA, o archivos CityJSON; sobre terreno llano, indique su altura como elevación</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>

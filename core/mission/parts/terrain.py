@@ -66,7 +66,8 @@ class Terrain(CheckedFields):
         (),
         title="buildings",
         help="buildings that stand on the relief with walls and roofs: vector files of footprints (GeoJSON, "
-        "GeoPackage, OSM …), as FILE or FILE:LAYER; over level ground, give its height as the elevation",
+        "GeoPackage, OSM …), as FILE or FILE:LAYER, or CityJSON files; over level ground, give its height as the "
+        "elevation",
         advanced=True,
         check=_check_buildings,
         schema={"items": {"type": "string", "minLength": 1}, "uniqueItems": True},
