@@ -10,16 +10,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Flags, Floats, Numbers, expand_counts
+from ..geodesy.covered_roofs import with_covered
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.local import geocentric
 from ..geodesy.raytracing.surface import Surface
 from ..geodesy.raytracing.tracing import ElevationModel
-from ..geodesy.triangles import FLOOR, ROOF, SKIRT_M, Triangles
+from ..geodesy.triangles import FLOOR, NO_TRIANGLES, ROOF, SKIRT_M, Triangles
 from ..vectors.features import Features
 from ..vectors.layer import VectorLayer
 from .heights import LEVEL_M, Value, read_colour, read_direction_deg, read_length_m, read_number
 from .roofs import FLAT, NEAREST, PITCH_DEG, SHAPES, Roof, Solid, build, pitched_height_m
-from .triangulation import open_ring
+from .triangulation import open_ring, triangulate
 
 #: Zoom of the Web-Mercator tiles, about 600 m wide, that are read at a time.
 _ZOOM = 16
@@ -29,6 +30,8 @@ _MOST_TRIANGLES = 2_000_000
 _COVERED = 0.9
 #: Points along either side of an outline's box by which that share is measured.
 _SAMPLES = 24
+#: Height of what counts as higher than all.
+_HIGHEST_M = 9000.0
 #: Examples of unread values.
 _EXAMPLES = 5
 _HEIGHTS = ("height", "HEIGHT", "Height", "building:height", "building_height", "measuredHeight", "bldg_height")
@@ -107,9 +110,10 @@ class _Footprint(NamedTuple):
 
 
 class _Tile(NamedTuple):
-    """Triangles of a tile, with their buildings' boxes (west, south, east, north) and sizes; tiles that reach in."""
+    """Triangles of a tile, with the solids they are of, whose boxes (west, south, east, north) and sizes follow."""
 
     triangles: Triangles
+    solid: Numbers
     boxes_deg: Floats
     size_m: Floats
     owners: frozenset[tuple[int, int]]
@@ -182,12 +186,17 @@ class FootprintBuildings:
         own = [one for one in near if _tile_of(*one.origin_deg) == (x, y)]
         owners = frozenset(_tile_of(*one.origin_deg) for one in near)
         if not own:
-            return _Tile(Triangles.joined([]), np.empty((0, 4)), np.empty(0), owners)
+            return _Tile(NO_TRIANGLES, np.empty(0, np.int64), np.empty((0, 4)), np.empty(0), owners)
         ends = np.concatenate([one.degrees[0] for one in own])
         (west, south), (east, north) = ends.min(axis=0).tolist(), ends.max(axis=0).tolist()
         features = self._layer.features(west, south, east, north, fields=self._fields)
-        chosen = self._without_replaced(features, _footprints(features), (x, y))
-        return self._placed(features, chosen, owners)
+        near = _footprints(features)
+        chosen = self._without_replaced(features, near, (x, y))
+        tile = self._placed(features, chosen, owners)
+        own_ids = {id(one) for one, _ in chosen}
+        others = [one for one in near if _tile_of(*one.origin_deg) != (x, y) and id(one) not in own_ids]
+        others = [one for one in others if _overlaps(one, tile.boxes_deg)]
+        return tile._replace(triangles=_with_covered(tile.triangles, tile.solid, others))
 
     def _without_replaced(
         self, features: Features, near: list[_Footprint], key: tuple[int, int]
@@ -221,7 +230,7 @@ class FootprintBuildings:
     ) -> _Tile:
         """Solids of footprints on the ground, as triangles."""
         if not chosen:
-            return _Tile(Triangles.joined([]), np.empty((0, 4)), np.empty(0), owners)
+            return _Tile(NO_TRIANGLES, np.empty(0, np.int64), np.empty((0, 4)), np.empty(0), owners)
         ends = np.concatenate([one.degrees[0] for one, _ in chosen])
         surface = self._ground.surface(ends[:, 1], ends[:, 0], 0.0)
         lowest = lowest_ground_m(surface, [one.degrees for one, _ in chosen])
@@ -241,8 +250,9 @@ class FootprintBuildings:
             boxes.append(np.broadcast_to(box, (len(parts[-1]), 4)))
             sizes.append(np.full(len(parts[-1]), float(np.ptp(solid.points_m, axis=0).max())))
         if not parts:
-            return _Tile(Triangles.joined([]), np.empty((0, 4)), np.empty(0), owners)
-        return _Tile(Triangles.joined(parts), np.concatenate(boxes), np.concatenate(sizes), owners)
+            return _Tile(NO_TRIANGLES, np.empty(0, np.int64), np.empty((0, 4)), np.empty(0), owners)
+        owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+        return _Tile(Triangles.joined(parts), owner, np.concatenate(boxes), np.concatenate(sizes), owners)
 
     def _triangles(
         self, one: _Footprint, solid: Solid, base_m: float, bottom_m: float, instance: int, values: dict[str, Value]
@@ -374,6 +384,34 @@ def lowest_ground_m(surface: Surface, footprints: list[list[Floats]]) -> Floats:
     inner = np.where((s > 0.0) & (s < 1.0), h0 + s * (slope + s * curve), h0)
     np.minimum.at(least, owner[which], inner)
     return least
+
+
+def _overlaps(one: _Footprint, boxes_deg: Floats) -> bool:
+    """Whether a footprint's box overlaps any of some boxes (n, 4)."""
+    low, high = one.degrees[0].min(axis=0), one.degrees[0].max(axis=0)
+    return bool(((boxes_deg[:, :2] < high) & (boxes_deg[:, 2:] > low)).all(axis=1).any())
+
+
+def _with_covered(triangles: Triangles, solid: Numbers, others: list[_Footprint]) -> Triangles:
+    """Triangles of a tile whose covered roofs do not show the imagery.
+
+    Footprints ``others`` of other tiles, whose heights are not known, count as higher.
+    """
+    covers = [NO_TRIANGLES.corners_m]
+    for one in others:
+        lon, lat = np.concatenate(one.degrees).T
+        covers.append(geocentric(lat, lon, _HIGHEST_M)[triangulate(one.rings)])
+    corners = np.concatenate(covers)
+    count = len(corners)
+    above = Triangles(
+        corners,
+        np.full(count, ROOF, np.uint8),
+        np.zeros(count, np.int64),
+        np.zeros((count, 3), np.uint8),
+        np.zeros(count, np.bool_),
+    )
+    found = with_covered(Triangles.joined([triangles, above]), np.append(solid, np.full(count, -1)))
+    return found.take(np.arange(len(triangles)))
 
 
 def _tile_of(lon_deg: float, lat_deg: float) -> tuple[int, int]:

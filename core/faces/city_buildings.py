@@ -12,6 +12,7 @@ import numpy as np
 from ..arrays import Flags, Floats, Numbers
 from ..elevation.datum import UNITS_M, Datum
 from ..errors import InvalidInput, Message
+from ..geodesy.covered_roofs import with_covered
 from ..geodesy.local import geocentric
 from ..geodesy.projections import transformation
 from ..geodesy.raytracing.tracing import ElevationModel
@@ -206,7 +207,8 @@ class CityBuildings:
             parts += self._building(own, edges, raise_m, min(foot, ground_m if math.isfinite(ground_m) else foot))
         if is_counted:
             self.counts = PlacingCounts(*(a + b for a, b in zip(vars(self.counts).values(), vars(counts).values())))
-        return Triangles.joined(parts)
+        placed = Triangles.joined(parts)
+        return with_covered(placed, np.arange(len(placed)))
 
     def _building(self, own: Numbers, feet: Numbers, raise_m: float, foot_m: float) -> list[Triangles]:
         """Faces of a building, without the floor it stands on, and its walls below."""

@@ -13,6 +13,8 @@ In reading order:
 - `vertical`: vertical datums by name and code
 - `local`: metres east, north and up from a place
 - `triangles`: triangles in the Earth's frame
+- `covered_roofs`: roofs beneath others
+- `joined_faces`: several models of triangles as one
 - `sun`: height and azimuth of the sun
 - `ways`: shortest ways around polygons in a plane
 - `quaternions`: unit quaternions and rotations

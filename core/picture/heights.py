@@ -7,7 +7,8 @@ from dataclasses import replace
 from ..elevation.heights import HeightOptions, whole_heights_path
 from ..elevation.layered import LayeredElevation, open_relief
 from ..errors import TerrAInavError
-from ..geodesy.triangles import NO_FACES, FaceModel, joined_faces
+from ..geodesy.joined_faces import joined_faces
+from ..geodesy.triangles import NO_FACES, FaceModel
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
 from ..mission.parts import INTERPOLATE, Terrain

@@ -254,9 +254,9 @@ class ModelledRelief:
 
     @property
     def attribution(self) -> str:
-        """Credit for the heights."""
-        both = (self._planned.attribution, self.heights.ground.attribution)
-        return "; ".join(dict.fromkeys(filter(None, both)))
+        """Credit for the heights, and for buildings."""
+        all_of_them = (self._planned.attribution, self.heights.ground.attribution, self.heights.faces.attribution)
+        return "; ".join(dict.fromkeys(filter(None, all_of_them)))
 
     @cached_property
     def has_holes(self) -> bool:

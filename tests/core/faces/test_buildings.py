@@ -64,6 +64,11 @@ class Layer:
         )
 
 
+def tile_column(box):
+    """Column of the tile of a box's first vertex."""
+    return ((LON + box[0] * M) / 360.0 + 0.5) * 2**16 // 1
+
+
 def read(layer, options=None):
     model = FootprintBuildings(layer, Ground(), options)
     return model, model.triangles(np.array([LAT - 0.01, LAT + 0.01]), np.array([LON - 0.01, LON + 0.01]))
@@ -148,3 +153,36 @@ def test_footprints_of_washington(tmp_path):
     stated = sum(1 for height in heights if height and height > 0)
     assert (model.counts.with_height, model.counts.by_default) == (stated, 84 - stated)
     assert len(set(triangles.instance.tolist())) == 84
+
+
+def test_roofs_beneath_a_part_do_not_show_the_imagery_and_others_do():
+    layer = Layer(
+        [(0, 0, 40, 40), (0, 0, 40, 40), (0, 0, 10, 10), (60, 0, 80, 20)],
+        building=("yes", None, None, "house"),
+        height=(30, 12, 30, 8),
+        min_height=(None, None, 20, None),
+        **{"building:part": (None, "yes", "yes", None)},
+    )
+    model, found = read(layer)
+    roofs = found.kind == ROOF
+    up = np.linalg.norm(found.corners_m.mean(axis=1), axis=1)
+    low = roofs & (found.instance == 1) & (up < up[roofs & (found.instance == 1)].max() - 5.0)
+    assert low.any()
+    assert not found.shows_imagery[low].all()
+    assert found.shows_imagery[roofs & ~low].all()
+    assert not found.shows_imagery[~roofs].any()
+    assert model.counts.replaced == 1
+
+
+def test_neighbours_of_other_tiles_cover_only_what_they_overlap():
+    # Tiles of zoom 16 are 415 m wide here: rows of boxes across several, wall to wall.
+    boxes = [(20 * k, 0, 20 * k + 20, 15) for k in range(-40, 40)]
+    _, found = read(Layer(boxes, height=tuple(range(5, 85))))
+    assert np.array_equal(found.shows_imagery, found.kind == ROOF)
+    edge = next(k for k in range(80) if tile_column(boxes[k]) != tile_column(boxes[k + 1]))
+    x0, y0, x1, y1 = boxes[edge + 1]
+    boxes[edge + 1] = (x0 - 5, y0, x1, y1)
+    _, found = read(Layer(boxes, height=tuple(range(5, 85))))
+    hidden = set(found.instance[(found.kind == ROOF) & ~found.shows_imagery].tolist())
+    assert edge + 1 in hidden
+    assert hidden <= {edge + 1, edge + 2}

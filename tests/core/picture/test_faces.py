@@ -189,3 +189,10 @@ def test_plans_go_to_other_processes_without_the_faces(files, tower):
     copy.relief.load(heights, heights_m)
     seen, again = (sighting(one, 0, size_of(made)) for one in (made, copy))
     assert all(np.array_equal(one, other, equal_nan=True) for one, other in zip(seen, again))
+
+
+def test_images_state_the_credit_of_buildings(files, tower):
+    tower.attribution = "© OpenStreetMap contributors"
+    made, _ = planned(files, tower)
+    assert made.relief.attribution.endswith("© OpenStreetMap contributors")
+    assert planned(files, NO_FACES)[0].relief.attribution == made.relief.heights.ground.attribution
