@@ -249,6 +249,58 @@ def draw_buildings(pages: Path, data: Path, folder: Path) -> None:
     )
 
 
+def land_use(city: Path, path: Path) -> None:
+    """Draw the surfaces of a CityJSON file as a map, which its buildings stand on."""
+    import rasterio
+    from rasterio import features
+    from rasterio.transform import from_origin
+
+    model = json.loads(city.read_text("utf-8"))
+    vertices = np.array(model["vertices"]) * model["transform"]["scale"] + model["transform"]["translate"]
+    colours = {
+        "GenericCityObject": (176, 168, 156), "LandUse": (171, 166, 140), "PlantCover": (122, 142, 92),
+        "Road": (128, 126, 124), "WaterBody": (86, 112, 130), "Bridge": (150, 144, 138), "Building": (164, 112, 88),
+    }  # fmt: skip
+    (west, south), (east, north) = vertices[:, :2].min(axis=0), vertices[:, :2].max(axis=0)
+    shape, step = (int((north - south) / 0.25), int((east - west) / 0.25)), from_origin(west, north, 0.25, 0.25)
+    some = np.random.default_rng(4)
+    pixels = np.full((3, *shape), 160.0)
+    for kind, colour in colours.items():
+        for thing in (one for one in model["CityObjects"].values() if one["type"] == kind):
+            shell = thing["geometry"][0]["boundaries"]
+            faces = shell[0] if thing["geometry"][0]["type"] == "Solid" else shell
+            rings = [{"type": "Polygon", "coordinates": [vertices[[*face[0], face[0][0]], :2].tolist()]} for face in faces]
+            # Walls have no area seen from above, and draw a line.
+            mask = features.rasterize(rings, out_shape=shape, transform=step)
+            pixels[:, mask > 0] = np.array(colour)[:, np.newaxis] * some.uniform(0.93, 1.07)
+    pixels += some.normal(0.0, 3.0, shape)
+    made = {"count": 3, "height": shape[0], "width": shape[1], "dtype": "uint8", "crs": "EPSG:28992"}
+    with rasterio.open(path, "w", driver="GTiff", transform=step, **made) as file:
+        file.write(np.clip(pixels, 0, 255).astype(np.uint8))
+
+
+def draw_city(pages: Path, data: Path, folder: Path) -> None:
+    """Picture of docs/buildings.md: Delft from its CityJSON file, with depth and instances."""
+    city, photo = data / "cityjson" / "delft.city.json", folder / "land.tif"
+    land_use(city, photo)
+    found = shot(
+        folder / "delft", 52.0111, 4.3663, 80.0, source=str(photo), elevation=("43",), upsample=True,
+        buildings=(f"{city}#heights=ground",), products=("depth", "instances"), camera=Camera(50.0, 4.0 / 3.0),
+        image_px=560, tilt_deg=55.0, yaw_deg=10.0,
+    )  # fmt: skip
+    depth = found["depth"][..., 0] if found["depth"].ndim > 2 else found["depth"]
+    near, far = np.nanmin(depth), np.nanmax(depth)
+    grey = np.clip(255.0 - 215.0 * np.log(depth / near) / np.log(far / near), 0.0, 255.0).astype(np.uint8)
+    sheet(
+        pages / "buildings-delft.jpg",
+        [
+            ("image, tilt 55°", found["satellite"]),
+            ("depth, near is bright", np.repeat(grey[..., np.newaxis], 3, axis=2)),
+            ("instances", in_colours(found["instances"])),
+        ],
+    )
+
+
 def main() -> None:
     """Measure, or make pictures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -262,6 +314,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         draw_fields(asked.pictures, asked.data, Path(folder))
         draw_buildings(asked.pictures, asked.data, Path(folder))
+        draw_city(asked.pictures, asked.data, Path(folder))
 
 
 if __name__ == "__main__":
