@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ..core.errors import Message
-from .i18n import tr
+from ..core.waiting import cancellable, reporting
+from .i18n import tr, translate
 from .tasks import LatestWorker, single_shot
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from ..core.mission.estimate import Summary
     from ..core.mission.mission import Mission
     from ..core.mission.plan import Plan
+    from .plan_features import PlanFeatures
     from .sources import MissionPlans
 
 #: Pause in typing before planning starts.
@@ -47,19 +49,28 @@ class Planner(QObject):
         The `PlannedMission` of the latest request.
     costed(object, object)
         The same `PlannedMission`, and the timing of its methods; after `planned`.
+    features_read(object, object)
+        The same `PlannedMission`, and the `PlanFeatures` around it, if it names labels or buildings; after `planned`.
+    reading(str)
+        Text on the progress of reading files before the plan can be worked out.
     refused(object)
         The error of the latest request.
     """
 
     planned = pyqtSignal(object)
     costed = pyqtSignal(object, object)
+    features_read = pyqtSignal(object, object)
+    reading = pyqtSignal(str)
     refused = pyqtSignal(object)
+    _progressed = pyqtSignal(object)
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._wanted: tuple[Mission, dict[str, Callable[[], PixelGrid]], bool] | None = None
         self._worker = LatestWorker("plan", self)
         self._worker.failed.connect(self.refused)
+        # The signal is emitted on the worker's thread and received on the thread of this object.
+        self._progressed.connect(self._show_progress)
         self._pause = single_shot(self._start, self, _PAUSE_MS)
 
     @property
@@ -89,18 +100,47 @@ class Planner(QObject):
     def _start(self) -> None:
         if self._wanted is not None:
             (mission, find_grids, timed), self._wanted = self._wanted, None
-            self._worker.ask(partial(_plan, mission, find_grids), partial(self._deliver, timed))
+            self._worker.ask(partial(_plan, mission, find_grids, self._progressed.emit), partial(self._deliver, timed))
 
     def _deliver(self, timed: bool, planned: PlannedMission) -> None:
-        if timed:
-            self._worker.ask(partial(_time, planned), lambda cost: self.costed.emit(planned, cost))
+        if planned.mission.labels.labels or planned.mission.terrain.buildings:
+            self._worker.ask(partial(_read_features, planned), partial(self._deliver_features, timed, planned))
+        elif timed:
+            self._time(planned)
         self.planned.emit(planned)
+
+    def _deliver_features(self, timed: bool, planned: PlannedMission, features: PlanFeatures) -> None:
+        if timed:
+            self._time(planned)
+        self.features_read.emit(planned, features)
+
+    def _time(self, planned: PlannedMission) -> None:
+        self._worker.ask(partial(_time, planned), lambda cost: self.costed.emit(planned, cost))
+
+    def _show_progress(self, text: Message) -> None:
+        if self._worker.is_awaited:
+            self.reading.emit(translate(text))
 
 
 def _plan(
-    mission: Mission, find_grids: dict[str, Callable[[], PixelGrid]], overtaken: Callable[[], bool]
+    mission: Mission,
+    find_grids: dict[str, Callable[[], PixelGrid]],
+    report: Callable[[Message], object],
+    overtaken: Callable[[], bool],
 ) -> PlannedMission | None:
     """Plan step by step, ending early if overtaken. Runs on the planner's thread."""
+    from .plan_features import open_labels
+
+    with cancellable(overtaken), reporting(report):
+        planned = _plan_imageries(mission, find_grids, overtaken)
+        if planned is not None and mission.labels.labels:
+            open_labels(planned.plan)
+    return planned
+
+
+def _plan_imageries(
+    mission: Mission, find_grids: dict[str, Callable[[], PixelGrid]], overtaken: Callable[[], bool]
+) -> PlannedMission | None:
     from .sources import plan_imageries, plan_mission, plan_summary
 
     plans = plan_imageries(mission, find_grids)
@@ -134,6 +174,14 @@ def summary_of_all(summaries: dict[str, Summary]) -> Summary:
         pixels_from=next((one.pixels_from for one in summaries.values() if one.download_bytes), first.pixels_from),
         warnings=(*first.warnings, *warnings),
     )
+
+
+def _read_features(planned: PlannedMission, overtaken: Callable[[], bool]) -> PlanFeatures:
+    """Read the labels and buildings around a plan. Runs on the planner's thread."""
+    from .plan_features import read_features
+
+    with cancellable(overtaken):
+        return read_features(planned.plan)
 
 
 def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:

@@ -54,6 +54,7 @@ from .widgets import add_docked, menu_keys
 if TYPE_CHECKING:
     from ..core.mission.areas.area import Box
     from ..core.mission.presets import Preset
+    from .plan_features import PlanFeatures
 
 
 class Session(QObject):
@@ -277,6 +278,7 @@ class Session(QObject):
         # A source in the panel was chosen by the user, or the user has agreed to it.
         self.planning.planned.connect(lambda planned: agree(source_names(planned.mission)))
         self.planning.planned.connect(self._preview_plan)
+        self.planner.features_read.connect(self._preview_features)
         self.planning.planned.connect(lambda planned: self.profiles.show_plan(planned.plan))
         self.planning.unplanned.connect(self.profiles.show_reason)
         form.flight.profile_clicked.connect(self.profiles.open)
@@ -343,6 +345,11 @@ class Session(QObject):
         if not (self._previewing and self.preview.visible):
             self.set_preview(True)
         begin()
+
+    def _preview_features(self, planned: PlannedMission, features: PlanFeatures) -> None:
+        """Add labels and buildings to the preview of a plan."""
+        if self._previewing and planned is self.planning.latest:
+            self.preview.show(self.group(), planned.mission, planned.plan, features)
 
     def _preview_plan(self, planned: PlannedMission) -> None:
         if not self._previewing:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Flags, Floats, Numbers, expand_counts
+from ..arrays import Flags, Floats, NDArray, Numbers, expand_counts
 from ..geodesy.covered_roofs import with_covered
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.local import geocentric
@@ -22,6 +22,8 @@ from .heights import LEVEL_M, Value, read_colour, read_direction_deg, read_lengt
 from .roofs import FLAT, NEAREST, PITCH_DEG, SHAPES, Roof, Solid, build, pitched_height_m
 from .triangulation import open_ring, triangulate
 
+#: Where the height of a building comes from, in `FootprintBuildings.survey`; `NO_BUILDING` for other features.
+WITH_HEIGHT, WITH_LEVELS, BY_DEFAULT, NO_BUILDING = range(4)
 #: Zoom of the Web-Mercator tiles, about 600 m wide, that are read at a time.
 _ZOOM = 16
 #: Triangles kept in memory.
@@ -133,7 +135,7 @@ class FootprintBuildings:
 
     def __init__(self, layer: VectorLayer, ground: ElevationModel, options: BuildingOptions | None = None) -> None:
         self.options = options or BuildingOptions()
-        self.title, self.attribution = layer.title, layer.attribution
+        self.title, self.attribution, self.fields = layer.title, layer.attribution, layer.fields
         self.counts = BuildingCounts()
         self.count = layer.count
         self.warnings: tuple[str, ...] = ()
@@ -158,6 +160,22 @@ class FootprintBuildings:
             meets = (w <= east) & (e >= west) & (s <= north) & (n >= south)
             found.append(tile.triangles.take(meets & (tile.size_m >= least_m)))
         return Triangles.joined(found)
+
+    def survey(
+        self, west_deg: float, south_deg: float, east_deg: float, north_deg: float, most: int = -1
+    ) -> tuple[Features, NDArray[np.uint8]]:
+        """Read the features of a box without placing them, and where their heights come from; they are counted.
+
+        Parameters
+        ----------
+        west_deg, south_deg, east_deg, north_deg, most
+            As for `VectorLayer.features`.
+        """
+        features = self._layer.features(west_deg, south_deg, east_deg, north_deg, self._fields, most=most)
+        sources = np.full(len(features.number), NO_BUILDING, np.uint8)
+        for row in sorted({one.row for one in _footprints(features)}):
+            sources[row] = self._stated_height({name: column[row] for name, column in features.values.items()})[0]
+        return features, sources
 
     def _tile(self, x: int, y: int) -> _Tile:
         """Tile of a place, from memory or made."""
@@ -285,15 +303,9 @@ class FootprintBuildings:
                 angle = angle if angle is not None and 0.0 < angle < 85.0 else PITCH_DEG
                 rise = pitched_height_m(ring, shape, across, angle)
         stated = rise if "roof:height" in values and values["roof:height"] not in (None, "") else None
-        height, levels = self._height(values), self._read("building:levels", values)
-        if height is not None and height > 0.0:
-            counts.with_height += 1
-        elif levels is not None and levels > 0.0:
-            counts.with_levels += 1
-            height = levels * LEVEL_M + (rise if shape != FLAT else 0.0)
-        else:
-            counts.by_default += 1
-            height = self.options.default_height_m
+        source, height = self._stated_height(values)
+        if source == WITH_LEVELS and shape != FLAT:
+            height += rise
         bottom = self._read("min_height", values)
         if bottom is None:
             bottom = (self._read("building:min_level", values) or 0.0) * LEVEL_M
@@ -309,6 +321,18 @@ class FootprintBuildings:
         solid, asked = build(one.rings, bottom, height, roof)
         counts.flat_instead += solid is not None and not asked
         return solid, bottom
+
+    def _stated_height(self, values: dict[str, Value]) -> tuple[int, float]:
+        """Where the height of a building comes from, and the height, without a roof on levels; counted."""
+        height, levels = self._height(values), self._read("building:levels", values)
+        if height is not None and height > 0.0:
+            self.counts.with_height += 1
+            return WITH_HEIGHT, height
+        if levels is not None and levels > 0.0:
+            self.counts.with_levels += 1
+            return WITH_LEVELS, levels * LEVEL_M
+        self.counts.by_default += 1
+        return BY_DEFAULT, self.options.default_height_m
 
     def _height(self, values: dict[str, Value]) -> float | None:
         """Height as the first field that has one states it."""

@@ -539,7 +539,8 @@ def imagery_warnings(plan: Plan) -> tuple[str, ...]:
 
 def building_warnings(plan: Plan) -> tuple[str, ...]:
     """Warnings of what files of buildings lack."""
-    return plan.relief.heights.faces.warnings if plan.mission.terrain.buildings else ()
+    # Level ground without buildings in any image has no heights.
+    return () if plan.relief.is_level else plan.relief.heights.faces.warnings
 
 
 def upsampling_warnings(plan: Plan) -> tuple[str, ...]:

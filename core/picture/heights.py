@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ..elevation.heights import HeightOptions, whole_heights_path
 from ..elevation.layered import LayeredElevation, open_relief
-from ..errors import TerrAInavError
+from ..errors import InvalidInput, Message, TerrAInavError
 from ..geodesy.joined_faces import joined_faces
 from ..geodesy.triangles import NO_FACES, FaceModel
 from ..imagery.opening import SourceOptions
@@ -70,7 +70,7 @@ def _open_buildings(terrain: Terrain, ground: LayeredElevation, seed: int) -> Fa
     if not terrain.buildings:
         return NO_FACES
     # Imported here, as only missions with buildings need vector files.
-    from ..faces.buildings import BuildingOptions
+    from ..faces.buildings import BuildingOptions, FootprintBuildings
     from ..faces.opening import open_buildings
 
     options = BuildingOptions(
@@ -82,10 +82,18 @@ def _open_buildings(terrain: Terrain, ground: LayeredElevation, seed: int) -> Fa
         terrain.height_offset_m,
     )
     try:
-        return joined_faces([open_buildings(text, ground, options) for text in terrain.buildings])
+        models = [open_buildings(text, ground, options) for text in terrain.buildings]
     except TerrAInavError as wrong:
         wrong.field = wrong.field or "buildings"
         raise
+    named = terrain.building_height_field
+    fields = {name for model in models if isinstance(model, FootprintBuildings) for name in model.fields}
+    if named and named not in fields:
+        known = Message.joined(", ", sorted(fields)[:30]) if fields else Message("no fields")
+        raise InvalidInput(
+            "field {0!r} of heights: no file of buildings has it, but {1}", named, known, field="building_height_field"
+        )
+    return joined_faces(models)
 
 
 def _opened(

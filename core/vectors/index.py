@@ -27,7 +27,8 @@ _ROWS = """
 SELECT number, kind, shape, field_values FROM boxes JOIN features USING (number)
 WHERE east >= ? AND west <= ? AND north >= ? AND south <= ? AND (size_m >= ? OR kind = ?)
 """
-_FIRST = "ORDER BY number LIMIT ?"
+#: Those whose boxes have their middles nearest to a place, at a latitude whose cosine, squared, is given.
+_NEAREST = "ORDER BY ? * (west + east - ?) * (west + east - ?) + (south + north - ?) * (south + north - ?) LIMIT ?"
 _COUNT = "SELECT count(*) FROM boxes WHERE east >= ? AND west <= ? AND north >= ? AND south <= ?"
 _TABLES = """
 PRAGMA journal_mode = OFF;
@@ -123,13 +124,19 @@ def read_rows(
 ) -> list[tuple[int, int, bytes, str, float]]:
     """Number, kind, shape, values and shift in degrees of the features that meet a box, by number.
 
-    With ``most``, only those of the least numbers.
+    With ``most``, only those nearest to the middle of the box.
     """
     found: list[tuple[int, int, bytes, str, float]] = []
     with connection(path, "ro") as database:
         for shift, edges in _turns(box):
             chosen = (*edges, least_m, POINT)
-            rows = database.execute(_ROWS + _FIRST, (*chosen, most)) if most >= 0 else database.execute(_ROWS, chosen)
+            if most < 0:
+                rows = database.execute(_ROWS, chosen)
+            else:
+                west, east, south, north = edges
+                across, up = (west + east,) * 2, (south + north,) * 2
+                narrow = math.cos(math.radians((south + north) / 2.0)) ** 2
+                rows = database.execute(_ROWS + _NEAREST, (*chosen, narrow, *across, *up, most))
             found += [(*row, shift) for row in rows]
     found.sort(key=lambda row: (row[0], row[4]))
     return found[:most] if most >= 0 else found

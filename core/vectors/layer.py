@@ -74,7 +74,7 @@ class VectorLayer:
         least_m : float
             Lines and areas whose boxes are smaller than this are left out.
         most : int
-            Largest number of features, the first of the layer; negative for all.
+            Largest number of features, those nearest to the middle of the box; negative for all.
 
         Raises
         ------

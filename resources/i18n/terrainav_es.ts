@@ -1755,6 +1755,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/overlay.py"/>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
         <source>ignore</source>
         <translation>ignorar</translation>
     </message>
@@ -2686,6 +2687,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Labels</source>
         <translation>Etiquetas</translation>
     </message>
@@ -3985,6 +3987,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Cancel</source>
+        <translation>Cancelar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Condition number</source>
         <translation>Número de condición</translation>
     </message>
@@ -4100,6 +4107,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Read them</source>
+        <translation>Leerlos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Relief</source>
         <translation>Relieve</translation>
@@ -4113,6 +4125,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Terrain</source>
         <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>The files of labels and buildings have not been read.</source>
+        <translation>No se han leído los archivos de etiquetas y edificios.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -5439,6 +5456,81 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{time} {zone}, hora local de este equipo</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>1 feature</source>
+        <translation>1 elemento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>Classes: {count}.</source>
+        <translation>Clases: {count}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>Features without a value, which are ignored: {count}.</source>
+        <translation>Elementos sin valor, que se ignoran: {count}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>In the planned area</source>
+        <translation>En la zona planificada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>No building stands in any image.</source>
+        <translation>Ningún edificio aparece en ninguna imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>No label lies in any image.</source>
+        <translation>Ninguna etiqueta aparece en ninguna imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>Of the nearest {read} of {around} features in the planned area</source>
+        <translation>De los {read} elementos más cercanos, de {around} en la zona planificada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>Values of {field} that cannot be read: {count} ({examples}).</source>
+        <translation>Valores de {field} que no se pueden leer: {count} ({examples}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>default height ({height} m)</source>
+        <translation>altura predeterminada ({height} m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>with height</source>
+        <translation>con altura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>with levels</source>
+        <translation>con plantas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>{count} features</source>
+        <translation>{count} elementos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>{count} left out (no area or length)</source>
+        <translation>{count} omitidos (sin área ni longitud)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>{count} repaired (self-crossing)</source>
+        <translation>{count} reparados (se cruzaban a sí mismos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>{where}: {height} with a height, {levels} with levels, {default} of the default height.</source>
+        <translation>{where}: {height} con altura, {levels} con plantas, {default} con la altura predeterminada.</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/planner.py"/>
         <source>not timed, as the images are large</source>
         <translation>sin medir, porque las imágenes son grandes</translation>
@@ -5526,6 +5618,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Buildings</source>
+        <translation>Edificios</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Capture centres</source>
         <translation>Centros de captura</translation>
     </message>
@@ -5569,6 +5666,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>feature {number}</source>
+        <translation>elemento {number}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>mean overlap count here: {count}</source>
         <translation>imágenes que muestran un punto de aquí, en promedio: {count}</translation>
     </message>
@@ -5589,6 +5691,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>{count} more classes</source>
+        <translation>{count} clases más</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>{gsd} cm per pixel, {height} m above ground</source>
         <translation>{gsd} cm por píxel, {height} m sobre el terreno</translation>
     </message>
@@ -5596,6 +5703,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>{length} km, {count} images, from {start} to {end} UTC</source>
         <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>{title} (the nearest {most} of {count})</source>
+        <translation>{title} (los {most} más cercanos de {count})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/picking.py"/>
@@ -15284,6 +15396,17 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>medido aquí, sobre el relieve con {0}</translation>
     </message>
     <message>
+        <location filename="../../core/picture/heights.py"/>
+        <source>field {0!r} of heights: no file of buildings has it, but {1}</source>
+        <translation>campo {0!r} de alturas: ningún archivo de edificios lo tiene, sino {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/heights.py"/>
+        <location filename="../../core/vectors/layer.py"/>
+        <source>no fields</source>
+        <translation>ningún campo</translation>
+    </message>
+    <message>
         <location filename="../../core/picture/map_frame.py"/>
         <source>image size {0} {1} {2}: the source has {3}, which make no colours; 1 channel would be right</source>
         <translation>tamaño de imagen {0} {1} {2}: la fuente tiene {3}, que no dan colores; 1 canal sería correcto</translation>
@@ -16498,11 +16621,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/vectors/layer.py"/>
         <source>layer {0} of {1}: has no reference system (CRS), so nobody can place it on the Earth</source>
         <translation>capa {0} de {1}: no tiene sistema de referencia (SRC), así que no se puede situar en la Tierra</translation>
-    </message>
-    <message>
-        <location filename="../../core/vectors/layer.py"/>
-        <source>no fields</source>
-        <translation>ningún campo</translation>
     </message>
     <message>
         <location filename="../../core/vectors/layer.py"/>

@@ -31,6 +31,8 @@ class Dock(QgsDockWidget):
     Signals
     -------
     preview_toggled(bool), test_shot_clicked(), capture_clicked(), export_plan_clicked()
+    reading_cancelled(), reading_wanted()
+        The user no longer wants to wait until files are read, or wants them to be read again.
     hint_followed(str)
         The user has clicked a link in the hint, to this address.
     """
@@ -39,6 +41,8 @@ class Dock(QgsDockWidget):
     test_shot_clicked = pyqtSignal()
     capture_clicked = pyqtSignal()
     export_plan_clicked = pyqtSignal()
+    reading_cancelled = pyqtSignal()
+    reading_wanted = pyqtSignal()
     hint_followed = pyqtSignal(str)
 
     def __init__(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
@@ -172,6 +176,8 @@ class Dock(QgsDockWidget):
             Link.HIGHER: form.fly_higher,
             Link.UPSAMPLE: form.allow_upsampling,
             Link.SOURCE: lambda: form.pages.show_field(form.source),
+            Link.CANCEL: self.reading_cancelled.emit,
+            Link.READ: self.reading_wanted.emit,
         }
         acts[link]()
 

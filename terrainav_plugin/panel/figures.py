@@ -128,6 +128,19 @@ class Figures(QWidget):
         """Show a text instead of figures."""
         self._show(line=html.escape(text))
 
+    def show_reading(self, text: str) -> None:
+        """Show what is read before the plan can be worked out, with a link that cancels it."""
+        self._show(line=f'{html.escape(text)} <a href="{Link.CANCEL}">{html.escape(tr("Cancel"))}</a>')
+        self.mark.show()
+
+    def show_cancelled(self) -> None:
+        """Show that reading was cancelled, with a link that begins it anew."""
+        again = html.escape(tr("Read them"))
+        self._show(
+            problem=tr("The files of labels and buildings have not been read."),
+            warnings=f'<a href="{Link.READ}">{again}</a>',
+        )
+
     def show_problem(self, text: str) -> None:
         """Show why there are no figures; an empty text refers to the marked fields."""
         link = f'<a href="{Link.WRONG}">{html.escape(tr("Fix the highlighted fields."))}</a>'
@@ -180,6 +193,7 @@ class Link:
     """Addresses of links: what they do."""
 
     WRONG, HIGHER, UPSAMPLE, SOURCE = "wrong", "higher", "upsample", "source"
+    CANCEL, READ = "cancel", "read"
 
 
 class TextScroll(QScrollArea):

@@ -68,6 +68,10 @@ class Planning(QObject):
         planner.planned.connect(self._show_planned)
         planner.costed.connect(self._show_cost)
         planner.refused.connect(self._show_refused)
+        planner.reading.connect(dock.figures.show_reading)
+        planner.features_read.connect(lambda _planned, features: self._form.labels.show_notes(features.notes))
+        dock.reading_cancelled.connect(self.cancel_reading)
+        dock.reading_wanted.connect(lambda: self.plan(at_once=True))
 
     def close(self) -> None:
         """Stop for good."""
@@ -136,6 +140,14 @@ class Planning(QObject):
         self._planner.request(mission, at_once, timed)
         return True
 
+    def cancel_reading(self) -> None:
+        """Stop reading files; there is no plan until an entry changes, or the user wants them to be read."""
+        self._planner.forget()
+        self.latest = None
+        self._stop_waiting()
+        self._dock.figures.show_cancelled()
+        self.unplanned.emit(self._dock.problem.text())
+
     def forget_numbers(self) -> None:
         """Take the numbers of skipped rows and splits of the next mission as they are, as another one is opened."""
         self._numbered = None
@@ -190,6 +202,8 @@ class Planning(QObject):
 
     def _show_planned(self, planned: PlannedMission) -> None:
         self.latest = planned
+        if not (planned.mission.labels.labels or planned.mission.terrain.buildings):
+            self._form.labels.show_notes({})
         self._show_figures(planned)
         self._form.pixels.show_zooms(planned.plan, self._form.state().agl_unit)
         self.planned.emit(planned)
@@ -220,6 +234,7 @@ class Planning(QObject):
 
     def _show_problem(self, text: str) -> None:
         """Show why there are no figures; an empty text refers to the marked fields."""
+        self._form.labels.show_notes({})
         self._dock.show_problem(text)
         self.unplanned.emit(text or self._form.marks.first_message())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -308,6 +309,7 @@ class LabelsSection(Section):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("labels", tr("Labels and buildings"), marks)
+        self._notes: dict[str, FieldMessage] = {}
         labels = LabelsLine("labels", field_tip(DECLARED["labels"]), tr("Choose a layer and its field of classes"))
         buildings = BuildingsLine("buildings", field_tip(DECLARED["buildings"]), tr("Choose footprints of buildings"))
         further = {
@@ -319,8 +321,17 @@ class LabelsSection(Section):
             line.setPlaceholderText(tr("none"))
             self.take(name, line)
             self._form.addRow(field_label(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
+            note = self._notes[name] = named(FieldMessage(), f"{name}_note")
+            note.setWordWrap(True)
+            note.hide()
+            self._form.addRow(note)
             self._show_with(line, [self.add_declared(one) for one in names])
         self.add_declared("products")
+
+    def show_notes(self, notes: Mapping[str, str]) -> None:
+        """Show what the files of entries hold, by entry; entries without a text have no note."""
+        for name, note in self._notes.items():
+            note.say(notes.get(name, ""))
 
     def _show_with(self, line: LayersLine, fields: list[QWidget]) -> None:
         """Show rows where a line names something."""

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from qgis.core import Qgis, QgsPalLayerSettings, QgsVectorLayer, QgsVectorLayerSimpleLabeling
+from qgis.core import (
+    Qgis,
+    QgsCategorizedSymbolRenderer,
+    QgsFillSymbol,
+    QgsPalLayerSettings,
+    QgsRendererCategory,
+    QgsVectorLayer,
+    QgsVectorLayerSimpleLabeling,
+)
 
 from ..compat import LABELS_ALONG_LINE
-from ..i18n import tr
+from ..i18n import number_text, tr
 from ..map.mission_group import ROLE
 from ..paths import style
 from ..plain import escaped_field
@@ -29,6 +37,8 @@ FIELDS = {
         "&field=start:datetime&field=end:datetime&field=sortie:integer"
     ),
     "density": "field=images:double",
+    "buildings": "field=kind:string&field=number:integer",
+    "labels": "field=kind:string&field=number:integer",
 }
 #: Names of the attributes with start and end of a feature's time, by role.
 _WHEN = {"footprints": ("time", "time_end"), "centres": ("time", "time_end"), "flight": ("start", "end")}
@@ -72,7 +82,14 @@ KINDS = (
     PreviewLayer("flight", "MultiLineString"),
     PreviewLayer("footprints", "MultiPolygon"),
     PreviewLayer("density", "MultiPolygon"),
+    PreviewLayer("buildings", "MultiPolygon"),
+    PreviewLayer("labels", "MultiPolygon"),
 )
+#: Layers of files that a mission names: their symbols follow what is in the files.
+OF_FILES = ("buildings", "labels")
+#: Largest number of kinds that have a symbol of their own.
+_MOST_KINDS = 100
+_GREY = "#808080"
 
 
 def title(role: str) -> str:
@@ -83,7 +100,42 @@ def title(role: str) -> str:
         "flight": tr("Flight line"),
         "footprints": tr("Planned images"),
         "density": tr("Images per place"),
+        "buildings": tr("Buildings"),
+        "labels": tr("Labels"),
     }[role]
+
+
+def drawn_title(role: str, count: int, most: int) -> str:
+    """Name of a layer of files, with a note if it has only some of the features."""
+    if count <= most:
+        return title(role)
+    return tr("{title} (the nearest {most} of {count})").format(
+        title=title(role), most=number_text(most), count=number_text(count)
+    )
+
+
+def dress_kinds(layer: QgsVectorLayer, kinds: Sequence[tuple[str, str]]) -> None:
+    """Give each kind of feature, by title and colour, a symbol and an entry of the legend; further kinds are grey."""
+    categories = [QgsRendererCategory(title, _symbol(colour), title) for title, colour in kinds[:_MOST_KINDS]]
+    if len(kinds) > _MOST_KINDS:
+        more = tr("{count} more classes").format(count=number_text(len(kinds) - _MOST_KINDS))
+        # Without a value, it is for all others.
+        categories.append(QgsRendererCategory(None, _symbol(_GREY), more))
+    layer.setRenderer(QgsCategorizedSymbolRenderer("kind", categories))
+    layer.emitStyleChanged()
+
+
+def _symbol(colour: str) -> QgsFillSymbol:
+    """Translucent fill with an opaque outline."""
+    red, green, blue = bytes.fromhex(colour[1:])
+    return QgsFillSymbol.createSimple(
+        {
+            "color": f"{red},{green},{blue},110",
+            "outline_color": f"{red},{green},{blue},255",
+            "outline_width": "0.4",
+            "outline_width_unit": "MM",
+        }
+    )
 
 
 def _map_tip(role: str) -> str:
@@ -112,6 +164,8 @@ def _map_tip(role: str) -> str:
             start="[% format_date(\"start\", 'yyyy-MM-dd HH:mm:ss') %]",
             end="[% format_date(\"end\", 'yyyy-MM-dd HH:mm:ss') %]",
         )
+    if role in OF_FILES:
+        return f"{escaped_field('kind')}<br/>" + tr("feature {number}").format(number='[% "number" %]')
     if role == "density":
         return tr("mean overlap count here: {count}").format(count='[% "images" %]')
     return ""
@@ -124,7 +178,8 @@ def _sortie_text() -> str:
 
 def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
     """Load a style, and set map tips and times, which a style replaces."""
-    layer.loadNamedStyle(style(name))
+    if role not in OF_FILES:
+        layer.loadNamedStyle(style(name))
     layer.setMapTipTemplate(_map_tip(role))
     _set_times(layer, role)
     if role == "flight":

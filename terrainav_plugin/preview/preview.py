@@ -11,8 +11,9 @@ from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from ..map.mission_group import MissionGroup
+from ..plan_features import MOST_FEATURES, PlanFeatures
 from ..tasks import LatestWorker, crs_named, single_shot
-from .layers import KINDS, field_names
+from .layers import KINDS, OF_FILES, drawn_title, dress_kinds, field_names
 from .view import MERCATOR, MapView, current_view, preview_world
 
 if TYPE_CHECKING:
@@ -55,6 +56,12 @@ class Preview(QObject):
         self._group: MissionGroup | None = None
         self._ids: dict[str, str] = {}
         self._plan: Plan | None = None
+        self._features = PlanFeatures()
+        #: Their map features by role, and of what and in which plane these are.
+        self._ground: dict[str, list[QgsFeature]] = {}
+        self._ground_of: tuple[object, object] = None, None
+        #: Kinds of features that symbols of layers stand for, by role.
+        self._kinds: dict[str, list[tuple[str, str]]] = {}
         self._world = MERCATOR
         self._drawing: Drawing | None = None
         #: Features in each layer, by role, to skip unchanged layers.
@@ -108,9 +115,16 @@ class Preview(QObject):
         """Layer with a role: area, centres, flight, footprints or density."""
         return self._project.mapLayer(self._ids.get(role, ""))
 
-    def show(self, group: MissionGroup, mission: Mission, plan: Plan) -> None:
-        """Show a plan; existing layers are filled again in place."""
+    def show(self, group: MissionGroup, mission: Mission, plan: Plan, features: PlanFeatures | None = None) -> None:
+        """Show a plan; existing layers are filled again in place.
+
+        Parameters
+        ----------
+        features : PlanFeatures or None
+            Labels and buildings around the plan; None leaves those shown until they are read.
+        """
         self._set_group(group)
+        self._features = self._features if features is None else features
         self._plan, self._world, self._drawing = plan, preview_world(plan), None
         self._filling, self._pieces = False, self._make_layers(mission)
         self._fill_next()
@@ -129,7 +143,8 @@ class Preview(QObject):
         self._worker.forget()
         self._pause.stop()
         self._plan = self._scene = self._drawing = self._pieces = None
-        self._held = {}
+        self._features, self._ground, self._ground_of = PlanFeatures(), {}, (None, None)
+        self._held, self._kinds = {}, {}
         ids = [layer_id for layer_id in self._ids.values() if self._project.mapLayer(layer_id)]
         self._keep_styles(ids)
         # First clear the ids, so that `_forget` does not take this for the user's removal.
@@ -173,10 +188,11 @@ class Preview(QObject):
             # Abandon a drawing for an earlier view.
             self._worker.forget()
         else:
-            self._worker.ask(partial(self._work, self._plan, view), self._take)
+            self._worker.ask(partial(self._work, self._plan, self._features, view), self._take)
 
-    def _work(self, plan: Plan, view: MapView | None, overtaken: Callable[[], bool]) -> Drawing:
+    def _work(self, plan: Plan, features: PlanFeatures, view: MapView | None, overtaken: Callable[[], bool]) -> Drawing:
         """Compute features, ending early if overtaken. Runs on the preview's thread."""
+        from .ground import ground_features
         from .scene import PreviewScene
 
         def check() -> None:
@@ -193,7 +209,13 @@ class Preview(QObject):
             scene = PreviewScene(plan, check_plan)
             check_plan()
             self._scene = scene
-        return scene.draw(view, check)
+        drawing = scene.draw(view, check)
+        plane = plan.grid.plane
+        if self._ground_of[0] is not features or self._ground_of[1] != plane:
+            self._ground = {role: ground_features(drawn, plane, check) for role, drawn in features.layers.items()}
+            self._ground_of = features, plane
+        drawing.layers.update({role: self._ground.get(role, []) for role in OF_FILES})
+        return drawing
 
     def _take(self, drawing: Drawing) -> None:
         self._drawing = drawing
@@ -213,10 +235,16 @@ class Preview(QObject):
 
     def _make_layers(self, mission: Mission) -> Iterator[None]:
         """Create missing layers, step by step, as reading their styles takes a while."""
-        has_area = mission.kind == "raster"
-        if not has_area:
-            self._remove_area()
-        for index, kind in enumerate(kind for kind in KINDS if has_area or kind.role != "area"):
+        # Others would be empty: of the area of points, and of files that the mission does not name.
+        wanted = {
+            "area": mission.kind == "raster",
+            "buildings": bool(mission.terrain.buildings),
+            "labels": bool(mission.labels.labels),
+        }
+        for role in wanted:
+            if not wanted[role]:
+                self._remove_layer(role)
+        for index, kind in enumerate(kind for kind in KINDS if wanted.get(kind.role, True)):
             there = self.layer(kind.role) or self._adopt(kind.role)
             if there is not None:
                 self._bring_to_world(there, kind.role)
@@ -240,6 +268,8 @@ class Preview(QObject):
             wanted, held = drawing.layers[kind.role], self._held.get(kind.role)
             if self.layer(kind.role) is None or held is wanted or (held == [] and not wanted):
                 continue
+            if kind.role in OF_FILES:
+                self._dress(kind.role)
             # While the layer is being filled, another drawing cannot reuse its contents.
             self._held.pop(kind.role, None)
             self.layer(kind.role).dataProvider().truncate()
@@ -319,13 +349,26 @@ class Preview(QObject):
         self._ids[role] = layer.id()
         self._held[role] = []
 
-    def _remove_area(self) -> None:
-        """Remove the layer of the area, which would be empty for points."""
-        layer = self.layer("area") or self._adopt("area")
+    def _dress(self, role: str) -> None:
+        """Give the features of files symbols by their kind, and the layer a name that states how many are left out."""
+        layer, drawn = self.layer(role), self._features.layers.get(role, ())
+        layer.setName(drawn_title(role, self._features.counts.get(role, 0), MOST_FEATURES))
+        present = {one.kinds[place] for one in drawn for place in one.places if place >= 0}
+        # In the order of their table.
+        kinds = list(dict.fromkeys(kind for one in drawn for kind in one.kinds if kind in present))
+        if kinds != self._kinds.get(role):
+            self._kinds[role] = kinds
+            self._keep_styles([layer.id()])
+            dress_kinds(layer, kinds)
+
+    def _remove_layer(self, role: str) -> None:
+        """Remove a layer that would be empty."""
+        layer = self.layer(role) or self._adopt(role)
         if layer is not None:
             self._keep_styles([layer.id()])
+            self._kinds.pop(role, None)
             # First delete the id, so that `_forget` does not take this for the user's removal.
-            del self._ids["area"]
+            del self._ids[role]
             self._project.removeMapLayer(layer.id())
             self._canvas.refresh()
 

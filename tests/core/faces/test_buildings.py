@@ -9,7 +9,15 @@ from types import SimpleNamespace
 import numpy as np
 import pyproj
 import pytest
-from terrainav.core.faces.buildings import BuildingOptions, FootprintBuildings, lowest_ground_m
+from terrainav.core.faces.buildings import (
+    BY_DEFAULT,
+    NO_BUILDING,
+    WITH_HEIGHT,
+    WITH_LEVELS,
+    BuildingOptions,
+    FootprintBuildings,
+    lowest_ground_m,
+)
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.geodesy.triangles import ROOF, WALL
@@ -43,7 +51,7 @@ class Layer:
         self.boxes, self.values = boxes, values
         self.fields, self.count = tuple(values), len(boxes)
 
-    def features(self, west, south, east, north, fields=(), least_m=0.0):
+    def features(self, west, south, east, north, fields=(), least_m=0.0, most=-1):
         found = []
         for k, (x0, y0, x1, y1) in enumerate(self.boxes):
             ring = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]]) * M + [LON, LAT]
@@ -105,6 +113,23 @@ def test_heights_levels_default_and_unread_values():
     assert (triangles.shows_imagery == (triangles.kind == ROOF)).all()
     model.triangles(np.array([LAT]), np.array([LON]))
     assert model.counts.with_height == 1
+
+
+def test_a_survey_tells_where_heights_come_from():
+    layer = Layer(
+        [(0, 0, 10, 10), (20, 0, 30, 10), (40, 0, 50, 10), (60, 0, 70, 10)],
+        **{
+            "building": ("yes", "house", "yes", None),
+            "height": ("22 m", None, "tall", "3"),
+            "building:levels": (None, "4", None, None),
+        },
+    )
+    model = FootprintBuildings(layer, None)
+    features, sources = model.survey(LON - 0.01, LAT - 0.01, LON + 0.01, LAT + 0.01)
+    assert features.number.tolist() == [1, 2, 3, 4]
+    assert sources.tolist() == [WITH_HEIGHT, WITH_LEVELS, BY_DEFAULT, NO_BUILDING]
+    assert (model.counts.with_height, model.counts.with_levels, model.counts.by_default) == (1, 1, 1)
+    assert model.counts.examples == {"height": ["tall"]}
 
 
 def test_parts_replace_their_outline():

@@ -303,5 +303,5 @@ def test_features_in_a_box_are_counted_and_limited(tmp_path):
     assert layer.count_in(*box) == 9
     assert layer.count_in(*(at + 360.0 * (side % 2 == 0) for side, at in enumerate(box))) == 9
     assert layer.features(*box).number.tolist() == list(range(3, 12))
-    assert layer.features(*box, most=4).number.tolist() == [3, 4, 5, 6]
+    assert sorted(layer.features(*box, most=3).number.tolist()) == [6, 7, 8]
     assert len(layer.features(*box, most=0)) == 0
