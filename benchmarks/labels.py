@@ -269,7 +269,9 @@ def land_use(city: Path, path: Path) -> None:
         for thing in (one for one in model["CityObjects"].values() if one["type"] == kind):
             shell = thing["geometry"][0]["boundaries"]
             faces = shell[0] if thing["geometry"][0]["type"] == "Solid" else shell
-            rings = [{"type": "Polygon", "coordinates": [vertices[[*face[0], face[0][0]], :2].tolist()]} for face in faces]
+            rings = [
+                {"type": "Polygon", "coordinates": [vertices[[*face[0], face[0][0]], :2].tolist()]} for face in faces
+            ]
             # Walls have no area seen from above, and draw a line.
             mask = features.rasterize(rings, out_shape=shape, transform=step)
             pixels[:, mask > 0] = np.array(colour)[:, np.newaxis] * some.uniform(0.93, 1.07)

@@ -540,7 +540,8 @@ def imagery_warnings(plan: Plan) -> tuple[str, ...]:
 def building_warnings(plan: Plan) -> tuple[str, ...]:
     """Warnings of what files of buildings lack."""
     # Level ground without buildings in any image has no heights.
-    return () if plan.relief.is_level else plan.relief.heights.faces.warnings
+    stand = plan.mission.terrain.buildings and not plan.relief.is_level
+    return plan.relief.heights.faces.warnings if stand else ()
 
 
 def upsampling_warnings(plan: Plan) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 
 import numpy as np
@@ -13,6 +14,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.triangles import NO_FACES, ROOF, WALL
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Points
+from terrainav.core.mission.estimate import building_warnings
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.relief.ground import Heights
@@ -180,6 +182,22 @@ def test_buildings_on_level_ground_are_seen_by_camera_frames(files, tower):
     assert np.array_equal(seen.kind, other.kind)
     assert seen.depth_m == pytest.approx(other.depth_m, abs=0.05)
     assert (picture(made, source).pixels[seen.kind == WALL] > 0).any()
+
+
+@pytest.mark.parametrize("elevation", ["100", None])
+def test_buildings_elsewhere_leave_a_plan_with_figures(files, tmp_path, elevation):
+    ring = [[LON + 1.0 + x, LAT + y] for x, y in ((0.0, 0.0), (1e-4, 0.0), (1e-4, 1e-4), (0.0, 0.0))]
+    house = {"type": "Feature", "properties": {"height": 3}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+    path = tmp_path / "houses.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": [house]}))
+    values = {"elevation": (elevation or files[1],), "buildings": (str(path),), "source": files[0], "image_px": 240}
+    mission = Mission(Points(((LAT, LON, 90.0),)), 90.0, **values)
+    made = plan(mission, open_source(files[0]).grid, mission_heights(mission))
+    assert building_warnings(made) == ()
+    # A field of heights that no file has is refused.
+    with pytest.raises(InvalidInput, match="field 'tall' of heights: no file of buildings has it, but height") as said:
+        mission_heights(mission.replace(building_height_field="tall"))
+    assert said.value.field == "building_height_field"
 
 
 def test_plans_go_to_other_processes_without_the_faces(files, tower):
