@@ -60,7 +60,7 @@ class LayersLine(OfferedLine):
     def add_layer(self, layer: QgsVectorLayer, field: str = "") -> None:
         """Add a layer, as a file that can be read without QGIS."""
         try:
-            text = ":".join(filter(None, (layer_file(layer), field)))
+            text = ":".join(filter(None, (layer_file(layer, field), field)))
         except OutputError as wrong:
             self.refused.emit(translate(wrong))
             return

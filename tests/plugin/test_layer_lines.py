@@ -135,13 +135,23 @@ def test_a_capture_writes_the_classes_and_instances_of_a_layer_in_memory(desk):
         feature.setAttributes([kind])
         features.append(feature)
     assert layer.dataProvider().addFeatures(features)[0]
+    categories = [
+        QgsRendererCategory("tile", QgsFillSymbol.createSimple({"color": "#b22222"}), "Tiled roof"),
+        QgsRendererCategory(["slate", "lead"], QgsFillSymbol.createSimple({"color": "#708090"}), ""),
+        QgsRendererCategory(None, QgsFillSymbol(), "others"),
+    ]
+    layer.setRenderer(QgsCategorizedSymbolRenderer("kind", categories))
     QgsProject.instance().addMapLayer(layer)
     desk.enter_coarse_mission()
     of_field(desk, "Halves", "kind")
     desk.wait_planned()
     capture(desk)
     table = json.loads((desk.folder / "classes.json").read_text("utf-8"))
-    assert [(one["id"], one["name"]) for one in table["classes"]] == [(1, "slate"), (2, "tile")]
+    # With the names and colours of the map's symbols.
+    assert [(one["id"], one["name"], one["color"]) for one in table["classes"]] == [
+        (1, "slate", "#708090"),
+        (2, "Tiled roof", "#b22222"),
+    ]
     made = images(desk)
     assert made
     for image in made:
