@@ -157,8 +157,8 @@ class FootprintBuildings:
         for one in owners:
             tile = self._tile(*one)
             w, s, e, n = tile.boxes_deg.T
-            meets = (w <= east) & (e >= west) & (s <= north) & (n >= south)
-            found.append(tile.triangles.take(meets & (tile.size_m >= least_m)))
+            meets = (w <= east) & (e >= west) & (s <= north) & (n >= south) & (tile.size_m >= least_m)
+            found.append(tile.triangles if meets.all() else tile.triangles.take(np.flatnonzero(meets)))
         return Triangles.joined(found)
 
     def survey(

@@ -50,9 +50,10 @@ class Triangles:
     @classmethod
     def joined(cls, parts: Sequence[Triangles]) -> Triangles:
         """Triangles of several parts, one after the other."""
-        if not parts:
-            return NO_TRIANGLES
-        return cls(*(np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(cls)))
+        some = [part for part in parts if len(part)]
+        if len(some) < 2:
+            return some[0] if some else NO_TRIANGLES
+        return cls(*(np.concatenate([getattr(part, one.name) for part in some]) for one in fields(cls)))
 
 
 NO_TRIANGLES = Triangles(

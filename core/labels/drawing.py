@@ -19,28 +19,32 @@ def topmost(pieces: Pieces, x: Floats, y: Floats) -> Numbers:
     its lower end, not to its upper.
     """
     found = np.full(x.shape, -1, np.int64)
-    which = _within(pieces.box, x, y)
-    if not len(which):
-        return found
-    near = pieces.take(which)
     if uses_numba():
         from . import kernels
 
+        x, y = (np.ascontiguousarray(one, np.float64) for one in (x, y))
+        bounds = np.empty(4)
+        kernels.fill_bounds(x, y, (0, x.shape[0]), (0, x.shape[1]), bounds)
+        which = _overlapping(pieces.box, bounds)
+        if not len(which):
+            return found
+        near = pieces.take(which)
         count = len(near)
         strip, within, kept, ends = (np.empty(count, np.int64) for _ in range(4))
-        x, y = (np.ascontiguousarray(one, np.float64) for one in (x, y))
         kernels.topmost(
-            x, y, _TILE_PX, near.box, near.radius_m, near.scale_m, near.starts, near.edges, np.empty(4),
+            x, y, _TILE_PX, near.box, near.radius_m, near.scale_m, near.starts, near.edges, bounds,
             np.arange(count), strip, within, kept, ends, np.empty(count, np.bool_),
             np.empty(len(near.edges), np.int64), found,
         )  # fmt: skip
     else:
-        for top in range(0, x.shape[0], _NUMPY_TILE_PX):
+        which = _within(pieces.box, x, y)
+        near = pieces.take(which)
+        for top in range(0, x.shape[0] if len(which) else 0, _NUMPY_TILE_PX):
             for left in range(0, x.shape[1], _NUMPY_TILE_PX):
                 tile = np.s_[top : top + _NUMPY_TILE_PX, left : left + _NUMPY_TILE_PX]
                 _draw_tile(near, x[tile], y[tile], found[tile])
     # The last is for positions without a piece, whose index is -1.
-    of_all: Numbers = np.append(which, -1)[found]
+    of_all: Numbers = np.append(which, -1).take(found)
     return of_all
 
 
@@ -51,8 +55,12 @@ def _within(box: Floats, x: Floats, y: Floats) -> Numbers:
         return np.empty(0, np.int64)
     if not is_known.all():
         x, y = x[is_known], y[is_known]
-    overlap = (box[:, 0] <= x.max()) & (box[:, 2] >= x.min()) & (box[:, 1] <= y.max()) & (box[:, 3] >= y.min())
-    return np.nonzero(overlap)[0]
+    return _overlapping(box, np.array([x.min(), y.min(), x.max(), y.max()]))
+
+
+def _overlapping(box: Floats, bounds: Floats) -> Numbers:
+    """Indices of the boxes (n, 4) that overlap bounds: least x and y, greatest x and y."""
+    return np.flatnonzero((box[:, :2] <= bounds[2:]).all(axis=1) & (box[:, 2:] >= bounds[:2]).all(axis=1))
 
 
 def _draw_tile(pieces: Pieces, x: Floats, y: Floats, found: Numbers) -> None:

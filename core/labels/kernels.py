@@ -40,7 +40,7 @@ def is_near(px: float, py: float, edges: Floats, edge: int, x_m: float, y_m: flo
 
 
 @compiled
-def _bounds(x: Floats, y: Floats, rows: tuple[int, int], columns: tuple[int, int], bounds: Floats) -> bool:
+def fill_bounds(x: Floats, y: Floats, rows: tuple[int, int], columns: tuple[int, int], bounds: Floats) -> bool:
     """Least x and y and greatest x and y of a rectangle of pixels; returns whether any sees the ground."""
     bounds[0] = bounds[1] = np.inf
     bounds[2] = bounds[3] = -np.inf
@@ -129,12 +129,12 @@ def topmost(
     rows, columns = x.shape
     for top in range(0, rows, tile_px):
         bottom = min(top + tile_px, rows)
-        if not _bounds(x, y, (top, bottom), (0, columns), bounds):
+        if not fill_bounds(x, y, (top, bottom), (0, columns), bounds):
             continue
         in_strip = _overlapping(box, bounds, every, len(every), strip)
         for left in range(0, columns, tile_px):
             right = min(left + tile_px, columns)
-            if not in_strip or not _bounds(x, y, (top, bottom), (left, right), bounds):
+            if not in_strip or not fill_bounds(x, y, (top, bottom), (left, right), bounds):
                 continue
             count = _overlapping(box, bounds, strip, in_strip, near)
             count = _choose(bounds, near, count, radius_m, starts, edges, kept, ends, odd, chosen)

@@ -159,9 +159,11 @@ class LabelMap:
         shown = self._region(plane, box)
         found = topmost(shown, x, y)
         # The last of each table is for pixels without a piece, whose index is -1.
-        classes = np.append(shown.label, BACKGROUND).astype(self.classes.dtype)[found]
-        instances = np.append(shown.instance, 0).astype(self.instance_dtype)[found]
-        classes[~(np.isfinite(x) & np.isfinite(y))] = self.classes.ignore
+        classes = np.append(shown.label, BACKGROUND).astype(self.classes.dtype).take(found)
+        instances = np.append(shown.instance, 0).astype(self.instance_dtype).take(found)
+        # Not finite if either is not.
+        unseen = ~np.isfinite(x + y)
+        classes[unseen] = self.classes.ignore
         return classes, instances
 
     def add_buildings(
