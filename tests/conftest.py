@@ -5,6 +5,8 @@ from __future__ import annotations
 import gc
 import socket
 import sys
+import tempfile
+from pathlib import Path
 
 import pytest
 
@@ -57,3 +59,12 @@ def deaf_template():
     for client in clients:
         client.close()
     listener.close()
+
+
+@pytest.fixture
+def readable_folder():
+    """A folder that every user may read and only this one may write; pytest's own are closed to others."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)
+        yield folder

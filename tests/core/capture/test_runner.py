@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 from contextlib import closing
@@ -547,15 +546,6 @@ try:
 except OutputError as error:
     print(error)
 """
-
-
-@pytest.fixture
-def readable_folder():
-    """A folder that every user may read and only this one may write; pytest's own are closed to others."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        folder.chmod(0o755)
-        yield folder
 
 
 @pytest.mark.skipif(not hasattr(os, "setuid") or os.getuid() != 0, reason="only root can become another user")
