@@ -7,10 +7,11 @@ In reading order:
 - `planning`: queries and reference, planned before anything is fetched
 - `truth`: where queries were taken, and which tiles show their ground
 - `making`: the run that captures the reference and the queries
+- `silhouettes`: buildings of the reference at any pose, and masks of queries
 - `loading`: pairs of queries and tiles for training
 - `answers`: queries as methods see them, and answers of methods
 - `running`: a method applied to all queries
-- `correlation`, `features`: baselines without weights
+- `correlation`, `features`, `fitting`: baselines without weights
 - `metrics`: metrics of rankings and positions, as the literature defines them
 - `scoring`: answers compared with the truth
 - `page`: scores, errors and diagrams, written with a page

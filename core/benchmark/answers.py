@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -38,6 +39,9 @@ class Query:
         Attitude of the camera, as if from a compass and an inertial unit.
     prior_lat_deg, prior_lon_deg, prior_agl_m, prior_yaw_deg : float
         Noisy measurements of a GNSS receiver, a barometer and a compass; NaN where there is no measurement.
+    instances : Path or None
+        Image of the numbers of the buildings that pixels show, as if segmented without an error; None if the benchmark
+        has no buildings.
     """
 
     id: str
@@ -56,6 +60,7 @@ class Query:
     prior_lon_deg: float = math.nan
     prior_agl_m: float = math.nan
     prior_yaw_deg: float = math.nan
+    instances: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -96,12 +101,18 @@ def visible_query(benchmark: Benchmark, index: int) -> Query:
     """Return a query as methods see it, without its position."""
     queries = benchmark.queries
     names = ("fx_px", "fy_px", "cx_px", "cy_px", "height_m", "ground_m", "yaw_deg", "tilt_deg", "roll_deg")
+    values: dict[str, Any] = {name: float(getattr(queries, name)[index]) for name in names}
+    prior_lat_deg, prior_lon_deg, prior_agl_m, prior_yaw_deg = benchmark.priors[index].tolist()
     return Query(
         queries.id[index],
         benchmark.folder / queries.file[index],
         queries.camera(index),
-        *(float(getattr(queries, name)[index]) for name in names),
-        *benchmark.priors[index].tolist(),
+        **values,
+        prior_lat_deg=prior_lat_deg,
+        prior_lon_deg=prior_lon_deg,
+        prior_agl_m=prior_agl_m,
+        prior_yaw_deg=prior_yaw_deg,
+        instances=benchmark.instance_file(index) if benchmark.has_buildings else None,
     )
 
 

@@ -15,4 +15,6 @@ METHODS = {
     "sift": (".features", "sift"),
     "orb": (".features", "orb"),
     "middle": (".running", "middle"),
+    "prior": (".running", "prior"),
+    "silhouette": (".fitting", "silhouette"),
 }

@@ -22,7 +22,7 @@ import numpy as np
 
 from ..arrays import Bytes, Floats, Numbers
 from ..dataset.dataset import open_image
-from ..dataset.folder import PARTS
+from ..dataset.folder import INSTANCES, PARTS
 from ..dataset.table import GAP
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import Camera, Poses
@@ -37,6 +37,8 @@ from ..text.safe_json import decoded, parse_json
 BENCHMARK_FILE = "benchmark.json"
 QUERIES_FILE, REFERENCES_FILE, POSITIVES_FILE = "queries.csv", "references.csv", "positives.csv"
 QUERIES_FOLDER, REFERENCE_FOLDER, MOSAIC, TILES = "queries", "reference", "mosaic", "tiles"
+#: Folder of the buildings inside that of the reference, and their key in ``benchmark.json``.
+BUILDINGS = "buildings"
 SCHEMA = 1
 POSITIVE, SEMI_POSITIVE = "positive", "semi-positive"
 
@@ -388,6 +390,19 @@ class Benchmark:
             for one in named:
                 if one not in known:
                     raise InvalidInput("{0}: names {1!r}, which does not exist", self.folder / POSITIVES_FILE, one)
+
+    @property
+    def has_buildings(self) -> bool:
+        """Whether the reference has buildings, and queries have masks of them."""
+        return isinstance(self.about.get(BUILDINGS), dict)
+
+    def instance_file(self, index: int) -> Path:
+        """Image of the numbers of the buildings that a query's pixels show."""
+        image = self.folder / self.queries.file[index]
+        folder = image.parent.parent / INSTANCES
+        # Numbers that take 32 bits are in TIFF files beside images of other formats.
+        paths = [folder / f"{image.stem}{ending}" for ending in (".png", ".tif")]
+        return next((path for path in paths if path.is_file()), paths[0])
 
     @cached_property
     def query_rows(self) -> dict[str, int]:

@@ -33,6 +33,7 @@ from ..text.safe_json import parse_json
 from .choices import CROSS_AREA, NO_SPLIT
 from .folder import (
     BENCHMARK_FILE,
+    BUILDINGS,
     MOSAIC,
     POSITIVES_FILE,
     QUERIES_FILE,
@@ -117,6 +118,7 @@ def make_benchmark(
     lock = path / _LOCK_FILE
     with locked(lock) as check:
         check_settings(path, BENCHMARK_FILE, settings)
+        buildings = _add_buildings(path, planned)
         results = capture_each(
             {name: (plan, sources[str(one)]) for name, (one, plan) in planned.captures.items()},
             path,
@@ -127,7 +129,7 @@ def make_benchmark(
         if any(one.cancelled for one in results.values()):
             return BenchmarkResult(path, results, None)
         check()
-        hint = _write_truth(path, planned, settings, shares)
+        hint = _write_truth(path, planned, {**settings, **buildings}, shares)
     return BenchmarkResult(path, results, Benchmark.read(path), hint)
 
 
@@ -159,6 +161,18 @@ def _claim(path: Path, settings: dict[str, object], *, resume: bool) -> None:
             path,
             remedy=Message("resume it{0} or choose another folder", OptionName("resume").in_brackets),
         )
+
+
+def _add_buildings(path: Path, planned: BenchmarkPlan) -> dict[str, object]:
+    """Copy the buildings of the reference, and describe them; empty without any."""
+    asked = planned.settings
+    if not asked.reference_buildings:
+        return {}
+    # Imported here, as only such benchmarks need vector files.
+    from .silhouettes import copy_buildings, describe_buildings
+
+    copies = copy_buildings(asked.reference_buildings, path)
+    return {BUILDINGS: describe_buildings(path, asked.queries, copies, planned.queries)}
 
 
 def _write_truth(path: Path, planned: BenchmarkPlan, settings: dict[str, object], shares: Shares) -> Message | None:

@@ -22,6 +22,8 @@ PDM_SHARPNESS, PDM_HALF = 6.0, 0.9
 WITHIN_M = (1.0, 3.0, 5.0, 10.0, 20.0)
 #: OrthoLoC's limits of poses, metres and degrees.
 WITHIN_M_DEG = ((0.1, 1.0), (0.25, 2.0), (0.5, 5.0), (1.0, 5.0), (5.0, 10.0))
+#: LoD-Loc v3's limits of poses (arXiv 2603.19609), metres and degrees.
+WITHIN_M_DEG_OF_BUILDINGS = ((2.0, 2.0), (3.0, 3.0), (5.0, 5.0))
 
 
 class Shares(NamedTuple):

@@ -110,7 +110,7 @@ def value_text(one: Figure) -> str:
 
 
 def _is_share(one: Figure) -> bool:
-    return one.name.startswith(("recall", "within", "AP"))
+    return one.name.startswith(("recall", "within", "AP", "mask"))
 
 
 def figure_rows(groups: Mapping[str, Sequence[Figure]]) -> list[tuple[str, ...]]:
@@ -132,7 +132,7 @@ def figure_rows(groups: Mapping[str, Sequence[Figure]]) -> list[tuple[str, ...]]
 
 def _geojson(errors: Errors) -> dict[str, Any]:
     """Positions of queries, with errors as properties."""
-    features = []
+    features, has_masks = [], bool(np.isfinite(errors.mask_iou).any())
     for at, name in enumerate(errors.query):
         values = {
             "error_m": errors.error_m[at],
@@ -140,6 +140,7 @@ def _geojson(errors: Errors) -> dict[str, Any]:
             "rank": errors.rank[at],
             "predicted_lat_deg": errors.predicted_lat_deg[at],
             "predicted_lon_deg": errors.predicted_lon_deg[at],
+            **({"mask_iou": errors.mask_iou[at]} if has_masks else {}),
         }
         known = {key: float(value) if math.isfinite(value) else None for key, value in values.items()}
         place = [float(errors.lon_deg[at]), float(errors.lat_deg[at])]
@@ -293,6 +294,9 @@ def _page(benchmark: Benchmark, scores: Scores, title: str, drawn: set[str]) -> 
         ("Tiles", f"{scores.tiles:,}"),
         ("Split", str(settings.get("split", ""))),
     ]
+    if benchmark.has_buildings:
+        named = settings.get("reference_buildings")
+        facts.insert(1, ("Buildings", ", ".join(map(str, named if isinstance(named, list) else ()))))
     captions = {
         RECALL: "Share of queries that have a right tile among the first so many.",
         WITHIN: "Share of all queries whose camera is found within an error; queries without an answer count.",

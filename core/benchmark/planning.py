@@ -26,6 +26,7 @@ from ..mission.imageries import NamedImagery
 from ..mission.inside import captured_points, captures_inside
 from ..mission.layout.frames import MapFrames
 from ..mission.mission import Mission
+from ..mission.parts import LABELLED
 from ..mission.plan import Plan, plan
 from ..mission.relief.ground import Heights
 from .choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
@@ -65,6 +66,9 @@ class BenchmarkSettings:
         Minimum distance between the ground of two parts; for ``cross-area`` only.
     inside : bool
         Whether to leave out queries that see beyond the reference or one of the ``imageries``.
+    reference_buildings : tuple of str
+        Buildings in which queries are localised, as in a mission's ``buildings``. Queries then have masks of the
+        buildings of their mission; if it has none, they get these.
     """
 
     queries: Mission
@@ -79,8 +83,11 @@ class BenchmarkSettings:
     shares: tuple[float, float, float] = SHARES
     gap_m: float = 0.0
     inside: bool = False
+    reference_buildings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        if self.reference_buildings:
+            object.__setattr__(self, "queries", self._with_masks())
         if not self.imageries:
             raise InvalidInput("no imagery of queries: give one or more, such as drone=world")
         for width in self.tile_widths_m:
@@ -101,6 +108,19 @@ class BenchmarkSettings:
         if self.split not in SPLITS:
             raise InvalidInput("split {0!r}: must be one of {1}", self.split, ", ".join(SPLITS))
 
+    def _with_masks(self) -> Mission:
+        """Mission of the queries with buildings, and with the classes and instances of every pixel."""
+        asked = self.queries
+        if asked.labels.labels:
+            raise InvalidInput(
+                "labels {0}: must be left out of a benchmark with reference buildings, whose queries have the masks "
+                "of buildings alone",
+                ", ".join(asked.labels.labels),
+                field="labels",
+            )
+        products = (*asked.products, *(one for one in LABELLED if one not in asked.products))
+        return asked.replace(buildings=asked.terrain.buildings or self.reference_buildings, products=products)
+
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping; equal settings give equal mappings."""
         return {
@@ -118,6 +138,7 @@ class BenchmarkSettings:
             "gap_m": self.gap_m,
             # Only if set, as benchmarks of earlier versions lack it.
             **({"inside": True} if self.inside else {}),
+            **({"reference_buildings": list(self.reference_buildings)} if self.reference_buildings else {}),
         }
 
 

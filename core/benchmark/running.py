@@ -34,6 +34,16 @@ def middle(benchmark: Benchmark, gallery: Numbers) -> Locate:
     return lambda _: Answer(ranked, lat, lon)
 
 
+def prior(benchmark: Benchmark, gallery: Numbers) -> Locate:  # noqa: ARG001  as all methods
+    """Method that answers with the prior as it is: a baseline that methods which start from priors have to beat."""
+
+    def locate(query: Query) -> Answer:
+        place = query.prior_lat_deg, query.prior_lon_deg, query.ground_m + query.prior_agl_m
+        return Answer((), *place, query.prior_yaw_deg, query.tilt_deg, query.roll_deg)
+
+    return locate
+
+
 def method_named(name: str) -> Method:
     """Return a built-in method by name, or a user's method by ``module:function``.
 

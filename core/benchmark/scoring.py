@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Floats, NDArray, Numbers
-from ..errors import InvalidInput, Message
+from ..errors import Cancelled, InvalidInput, Message
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame, enu_axes
 from ..geodesy.projections import geodesics
 from . import metrics
 from .answers import POSE, Predictions
-from .folder import Benchmark, Columns
+from .folder import Benchmark, Columns, write_columns
 
 #: Ranks K at which retrieval is reported.
 RANKS = (1, 5, 10)
@@ -62,6 +63,9 @@ class Errors(Columns):
     tile_m : array (q,)
         Distance from the ground at the query's centre to the centre of the first tile.
     seconds : array (q,)
+    mask_iou : array (q,)
+        Intersection over union of the query's mask of buildings and their silhouette at the predicted pose, 0 without
+        one; NaN for queries that show no building, and for benchmarks without.
     """
 
     query: tuple[str, ...]
@@ -76,6 +80,14 @@ class Errors(Columns):
     rank: Floats
     tile_m: Floats
     seconds: Floats
+    mask_iou: Floats
+
+    def write(self, path: Path) -> None:
+        """Write the table atomically, without the column of masks if there are none."""
+        columns = {one.name: getattr(self, one.name) for one in fields(self)}
+        if np.isnan(self.mask_iou).all():
+            del columns["mask_iou"]
+        write_columns(path, columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,21 +142,38 @@ class _Compared(NamedTuple):
         )
 
 
-def score(benchmark: Benchmark, predictions: Predictions, part: str = "") -> Scores:
+def score(
+    benchmark: Benchmark,
+    predictions: Predictions,
+    part: str = "",
+    *,
+    progress: Callable[[int, int], object] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> Scores:
     """Compare predictions with the truth.
 
     Parameters
     ----------
     part : str
         ``train``, ``validation`` or ``test`` to score the part's queries, searched among its tiles; empty for all.
+    progress : callable
+        Called with the number of queries whose silhouettes were compared, and the number of all queries.
+    cancelled : callable
+        Called before each silhouette; returns whether to stop.
 
     Raises
     ------
     InvalidInput
-        The part has no queries, or an answer ranks tiles of another part.
+        The part has no queries, or an answer ranks tiles of another part; the benchmark has buildings that cannot be
+        rendered.
+    Cancelled
+        ``cancelled`` returned true.
     """
     rows, gallery = benchmark.query_rows_in(part), benchmark.gallery(part)
     compared = _compare(benchmark, predictions, rows, gallery)
+    if benchmark.has_buildings and compared.is_posed:
+        iou = _mask_overlaps(benchmark, predictions, rows, progress, cancelled)
+        compared = compared._replace(errors=replace(compared.errors, mask_iou=iou))
     imagery = np.array(compared.errors.imagery)
     names = list(dict.fromkeys(compared.errors.imagery))
     rows_by_group = {name: np.flatnonzero(imagery == name) for name in names}
@@ -205,6 +234,7 @@ def _compare(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gall
         rank=first,
         tile_m=centre_m[:, 0],
         seconds=seconds,
+        mask_iou=np.full(len(rows), np.nan),
     )
     widths = np.where(ranking >= 0, tiles.width_m[ranking], np.nan)
     counts = np.array([len(one) for one in positives], np.int64)
@@ -243,9 +273,30 @@ def _figures(compared: _Compared, tiles: int) -> list[Figure]:
             Figure(f"within {m:g} m, {deg:g} deg", share, "", "of all queries, in space (OrthoLoC)")
             for (m, deg), share in zip(metrics.WITHIN_M_DEG, pose.within)
         ]
+    if np.isfinite(errors.mask_iou).any():
+        found += _silhouette_figures(errors)
     if np.isfinite(errors.seconds).any():
         found.append(Figure("time", float(np.nanmedian(errors.seconds)), "s", "median for a query"))
     return found
+
+
+def _silhouette_figures(errors: Errors) -> list[Figure]:
+    """Figures of queries with masks of buildings."""
+    limits = metrics.WITHIN_M_DEG_OF_BUILDINGS
+    shares = metrics.pose_figures(errors.distance_m, errors.error_deg, limits).within
+    shown = int(np.isfinite(errors.mask_iou).sum())
+    return [
+        *(
+            Figure(f"within {m:g} m, {deg:g} deg", share, "", "of all queries, in space (LoD-Loc v3)")
+            for (m, deg), share in zip(limits, shares)
+        ),
+        Figure(
+            "mask IoU",
+            _mean(errors.mask_iou),
+            "",
+            f"mean intersection over union of mask and silhouette at the answer, of {shown:,} queries with buildings",
+        ),
+    ]
 
 
 def _ranking_figures(compared: _Compared, tiles: int) -> list[Figure]:
@@ -302,6 +353,30 @@ def _ranking_figures(compared: _Compared, tiles: int) -> list[Figure]:
             "mean distance from the ground in the middle of the query to the middle of the first tile (GTA-UAV)",
         )
     )
+    return found
+
+
+def _mask_overlaps(
+    benchmark: Benchmark,
+    predictions: Predictions,
+    rows: Numbers,
+    progress: Callable[[int, int], object] | None,
+    cancelled: Callable[[], bool] | None,
+) -> Floats:
+    """Intersection over union (q,) of queries' masks and silhouettes at their answers; see `Errors`."""
+    # Imported here, as only such benchmarks need vector files.
+    from .silhouettes import Silhouettes, overlap
+
+    silhouettes, found = Silhouettes.from_benchmark(benchmark), np.full(len(rows), np.nan)
+    answers = dict(zip(predictions.index.tolist(), predictions.pose))
+    for at, row in enumerate(rows.tolist()):
+        if cancelled is not None and cancelled():
+            raise Cancelled("nothing was written")
+        mask = silhouettes.mask(row)
+        if mask.any():
+            found[at] = overlap(mask, silhouettes.render(row, answers[row])) if row in answers else 0.0
+        if progress is not None:
+            progress(at + 1, len(rows))
     return found
 
 

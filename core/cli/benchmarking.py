@@ -91,6 +91,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
         split=arguments.split,
         gap_m=arguments.gap,
         inside=arguments.inside,
+        reference_buildings=tuple(arguments.reference_buildings),
         **more,
     )
 

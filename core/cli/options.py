@@ -227,7 +227,7 @@ def _add_benchmark(whole: argparse.ArgumentParser) -> None:
         "--method",
         required=True,
         metavar="METHOD",
-        help="ncc, sift, orb or middle, or your own module:function",
+        help="ncc, sift, orb, middle, prior or silhouette, or your own module:function",
     )
     running.add_argument("--quiet", action="store_true", help="no progress")
     scoring = actions.add_parser("score", help="score predictions")
@@ -259,6 +259,14 @@ def _add_benchmark_make(actions: Any) -> None:
         required=True,
         metavar="[NAME=]SOURCE[@DATE][:MAP_TYPE]",
         help="imagery in which to find them",
+    )
+    group.add_argument(
+        "--reference-buildings",
+        nargs="+",
+        default=(),
+        metavar="FILE",
+        help="buildings in which to find them as well, as --buildings names them; copied beside the reference, and "
+        "queries have masks of buildings",
     )
     group.add_argument(
         "--tiles",

@@ -67,6 +67,12 @@ def open_buildings(text: str, ground: ElevationModel, options: BuildingOptions |
 
 def whole_building_path(text: str) -> str:
     """Make the path in a text absolute, so that the text names the same buildings from any current folder."""
+    path, rest = split_building_path(text)
+    return text if path.startswith("/vsi") else f"{Path.cwd() / path}{rest}"
+
+
+def split_building_path(text: str) -> tuple[str, str]:
+    """Split a text that names buildings into the path of the file, and the layer or options behind it."""
     city = parse_city(text)
     path = parse_layer(text).path if city is None else city.path
-    return text if path.startswith("/vsi") else f"{Path.cwd() / path}{text[len(path) :]}"
+    return path, text[len(path) :]

@@ -5909,6 +5909,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Files of buildings in which to find the queries as well, with semicolons between them, such as footprints or CityJSON. They are copied into the benchmark's folder, and the queries have masks of the mission's buildings, or of these if it has none. Needs an elevation.</source>
+        <translation>Archivos de edificios en los que también se localizan las consultas, separados por punto y coma, como contornos o CityJSON. Se copian en la carpeta del banco de pruebas, y las consultas tienen máscaras de los edificios de la misión, o de estos si no tiene ninguno. Requiere una elevación.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Folder of the scores</source>
         <translation>Carpeta de las puntuaciones</translation>
     </message>
@@ -6115,6 +6120,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Reference: buildings</source>
+        <translation>Referencia: edificios</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Reference: imagery by name</source>
         <translation>Referencia: imágenes por nombre</translation>
     </message>
@@ -6215,6 +6225,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>With buildings: found within 2 m and 2° (share)</source>
+        <translation>Con edificios: localizadas a menos de 2 m y 2° (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>With buildings: found within 3 m and 3° (share)</source>
+        <translation>Con edificios: localizadas a menos de 3 m y 3° (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>With buildings: found within 5 m and 5° (share)</source>
+        <translation>Con edificios: localizadas a menos de 5 m y 5° (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>With buildings: intersection over union of masks (share)</source>
+        <translation>Con edificios: intersección sobre unión de las máscaras (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>With cross-area only: minimum distance between the ground of two parts.</source>
         <translation>Solo con cross-area: distancia mínima entre el terreno de dos partes.</translation>
     </message>
@@ -6247,6 +6277,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>nothing was written</source>
         <translation>no se ha escrito nada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>prior answers with the simulated measurements as they are. silhouette moves the camera from there to where the buildings of the reference overlap the query's mask most; it needs a benchmark with buildings.</source>
+        <translation>prior responde con las medidas simuladas tal como son. silhouette desplaza la cámara desde allí hasta donde los edificios de la referencia más se solapan con la máscara de la consulta; requiere un banco de pruebas con edificios.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -8301,6 +8336,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
+        <source>labels {0}: must be left out of a benchmark with reference buildings, whose queries have the masks of buildings alone</source>
+        <translation>etiquetas {0}: deben omitirse en un banco de pruebas con edificios de referencia, cuyas consultas solo tienen las máscaras de los edificios</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
         <source>margin {0} m: must be 0 or more</source>
         <translation>margen {0} m: debe ser 0 o más</translation>
     </message>
@@ -8417,6 +8457,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/benchmark/scoring.py"/>
+        <source>nothing was written</source>
+        <translation>no se ha escrito nada</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/scoring.py"/>
         <source>predictions</source>
         <translation>predicciones</translation>
     </message>
@@ -8429,6 +8474,46 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/benchmark/scoring.py"/>
         <source>{0}: rank {1}, which is of another part than the queries</source>
         <translation>{0}: clasifican {1}, que es de otra parte que las consultas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/silhouettes.py"/>
+        <source>benchmark {0}: does not say how to render its buildings</source>
+        <translation>banco de pruebas {0}: no indica cómo representar sus edificios</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/silhouettes.py"/>
+        <source>benchmark {0}: has buildings, but no elevation that they stand on</source>
+        <translation>banco de pruebas {0}: tiene edificios, pero ninguna elevación sobre la que se asienten</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/silhouettes.py"/>
+        <source>benchmark {0}: has no buildings</source>
+        <translation>banco de pruebas {0}: no tiene edificios</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/silhouettes.py"/>
+        <source>benchmark {0}: names buildings outside of it</source>
+        <translation>banco de pruebas {0}: nombra edificios fuera de su carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/silhouettes.py"/>
+        <source>make one with buildings (terrainav benchmark make --reference-buildings)</source>
+        <translation>cree uno con edificios (terrainav benchmark make --reference-buildings)</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/silhouettes.py"/>
+        <source>reference buildings {0}: another file has this name, too</source>
+        <translation>edificios de referencia {0}: otro archivo también tiene este nombre</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/silhouettes.py"/>
+        <source>reference buildings {0}: must be a file on this computer</source>
+        <translation>edificios de referencia {0}: debe ser un archivo de este equipo</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/silhouettes.py"/>
+        <source>rename one of them</source>
+        <translation>cambie el nombre de uno de ellos</translation>
     </message>
     <message>
         <location filename="../../core/capture/begun.py"/>

@@ -63,6 +63,10 @@ _FIGURES = {
     "WITHIN_5": "within 5 m",
     "WITHIN_10": "within 10 m",
     "WITHIN_20": "within 20 m",
+    "POSE_2": "within 2 m, 2 deg",
+    "POSE_3": "within 3 m, 3 deg",
+    "POSE_5": "within 5 m, 5 deg",
+    "MASK_IOU": "mask IoU",
 }
 
 
@@ -153,6 +157,14 @@ class MakeBenchmark(WithImagery):
         self.add(
             QgsProcessingParameterString("REFERENCE", tr("Reference: imagery by name"), optional=True),
             by_name,
+        )
+        self.add(
+            QgsProcessingParameterString("REFERENCE_BUILDINGS", tr("Reference: buildings"), optional=True),
+            tr(
+                "Files of buildings in which to find the queries as well, with semicolons between them, such as "
+                "footprints or CityJSON. They are copied into the benchmark's folder, and the queries have masks of "
+                "the mission's buildings, or of these if it has none. Needs an elevation."
+            ),
         )
 
     def _add_reference(self) -> None:
@@ -314,6 +326,11 @@ class ScoreBenchmark(Algorithm):
                     "which every method has to beat."
                 ),
                 tr(
+                    "prior answers with the simulated measurements as they are. silhouette moves the camera from there "
+                    "to where the buildings of the reference overlap the query's mask most; it needs a benchmark with "
+                    "buildings."
+                ),
+                tr(
                     "The map shows the position of each query in the colour of its error, with a line to "
                     "the position of the answer. To show scores again, choose their file of predictions."
                 ),
@@ -375,6 +392,10 @@ class ScoreBenchmark(Algorithm):
                 "WITHIN_5": tr("Found within 5 m (share)"),
                 "WITHIN_10": tr("Found within 10 m (share)"),
                 "WITHIN_20": tr("Found within 20 m (share)"),
+                "POSE_2": tr("With buildings: found within 2 m and 2° (share)"),
+                "POSE_3": tr("With buildings: found within 3 m and 3° (share)"),
+                "POSE_5": tr("With buildings: found within 5 m and 5° (share)"),
+                "MASK_IOU": tr("With buildings: intersection over union of masks (share)"),
             }
         )
 
@@ -429,6 +450,7 @@ def _read_settings(run: AlgorithmRun) -> BenchmarkSettings:
         shares=read_shares(run),
         gap_m=run.number("GAP"),
         inside=run.flag("INSIDE"),
+        reference_buildings=tuple(one.strip() for one in run.text("REFERENCE_BUILDINGS").split(";") if one.strip()),
     )
 
 
@@ -526,7 +548,7 @@ def _judged(
             benchmark,
             method_named(name),
             part,
-            progress=lambda done, total: watch.progress(0.9 * done / total),
+            progress=lambda done, total: watch.progress((0.5 if benchmark.has_buildings else 0.9) * done / total),
             cancelled=watch.cancelled,
         )
         if found is None:
@@ -534,7 +556,14 @@ def _judged(
         answers = found
         make_folder(target)
         answers.write(prediction_file(target, name), benchmark)
-    scores = score(benchmark, answers, part)
+    # Silhouettes of buildings take time as well.
+    scores = score(
+        benchmark,
+        answers,
+        part,
+        progress=lambda done, total: watch.progress(0.5 + 0.4 * done / total),
+        cancelled=watch.cancelled,
+    )
     diagrams = not missing_packages("matplotlib")
     if not diagrams:
         watch.warn(tr("The page has no diagrams: QGIS's Python lacks the package matplotlib."))

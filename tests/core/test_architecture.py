@@ -88,7 +88,7 @@ ARROWS = {
     "report": {*FLOOR, "geodesy", "mission", "imagery", "world", "dataset", "picture", "capture"},
     "mosaic": {*FLOOR, "geodesy", "mission", "dataset", "picture", "capture"},
     "pairs": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
-    "benchmark": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "picture", "capture", "poses"},
+    "benchmark": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "faces", "picture", "capture", "poses"},
     "exports": {*FLOOR, "geodesy", "mission", "dataset", "picture", "benchmark"},
     "poses": {*FLOOR, "geodesy", "mission", "imagery", "dataset"},
     "cli": {"core", *ROOMS},

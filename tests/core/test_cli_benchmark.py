@@ -131,3 +131,27 @@ def test_bad_benchmarks_are_one_line(terrainav, tmp_path, more, said):
     assert said in found.stderr
     assert len(found.stderr.splitlines()) == 1
     assert not (tmp_path / "bench").exists()
+
+
+def test_buildings_to_be_found_in(terrainav, tmp_path):
+    """Queries of a dozen houses, answered with their priors."""
+    houses = [
+        [[lon, lat], [lon + 1e-4, lat], [lon + 1e-4, lat + 1e-4], [lon, lat + 1e-4], [lon, lat]]
+        for lat in (35.1478, 35.1486, 35.1494)
+        for lon in (-89.8998, -89.8988, -89.8978, -89.8968)
+    ]
+    features = [
+        {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [ring]}, "properties": {"height": 6}}
+        for ring in houses
+    ]
+    (tmp_path / "houses.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    refused = make(terrainav, "--reference-buildings", "houses.geojson")
+    assert refused.returncode == 2
+    assert "buildings houses.geojson: need an elevation" in refused.stderr
+    made = make(terrainav, "--reference-buildings", "houses.geojson", "--elevation", "20", "--overlap", "0")
+    assert made.returncode == 0, made.stderr
+    run = terrainav("benchmark", "run", "bench", "--method", "prior", "--quiet", "--json", "--no-page")
+    assert run.returncode == 0, run.stderr
+    figures = {one["name"]: one["value"] for one in json.loads(run.stdout)["groups"]["air"]}
+    assert 0.0 < figures["mask IoU"] < 1.0
+    assert figures["within 2 m, 2 deg"] <= figures["within 3 m, 3 deg"] <= figures["within 5 m, 5 deg"]

@@ -243,7 +243,7 @@ def test_methods_of_the_users_are_run(benchmark, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("surf", "must be one of ncc, sift, orb, middle, or module:function"),
+        ("surf", "must be one of ncc, sift, orb, middle, prior, silhouette, or module:function"),
         ("no_such_module:locate", "cannot be imported"),
         ("math:no_such_function", "cannot be imported"),
         ("math:pi", "is not a function"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 from dataclasses import replace
@@ -11,7 +12,9 @@ from terrainav.core.benchmark.features import sift
 from terrainav.core.benchmark.folder import Benchmark
 from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark
+from terrainav.core.benchmark.running import method_named
 from terrainav.core.benchmark.scoring import score
+from terrainav.core.benchmark.silhouettes import copy_buildings
 from terrainav.core.capture.progress import Listener
 from terrainav.core.cli import benchmarking
 from terrainav.core.errors import PartError
@@ -313,3 +316,50 @@ def _windows(case: Case) -> None:
     case.refused(lambda: Views.read(case.tmp_path / "out"))
     case.run(*asked, "--data-dir", "other", "--frame", "camera")
     case.follow("capture camera frames (--frame camera)", lambda: Views.read(case.tmp_path / "other"))
+
+
+FOOTPRINT = {
+    "type": "Feature",
+    "geometry": {
+        "type": "Polygon",
+        "coordinates": [[[-89.8996, 35.1494], [-89.8994, 35.1494], [-89.8994, 35.1496], [-89.8996, 35.1494]]],
+    },
+    "properties": {"height": 8},
+}
+
+
+def _footprints(folder, name="houses.geojson"):
+    """File of one building."""
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_text(json.dumps({"type": "FeatureCollection", "features": [FOOTPRINT]}))
+    return str(folder / name)
+
+
+@remedy("benchmark/silhouettes.py", "reference buildings {}: another file has this name, too; rename one of them")
+def _two_of_one_name(case: Case) -> None:
+    first, second = (_footprints(case.tmp_path / name) for name in ("one", "two"))
+    case.refused(lambda: copy_buildings((first, second), case.tmp_path / "out"))
+    other = _footprints(case.tmp_path / "two", "others.geojson")
+    case.follow("rename one of them", lambda: copy_buildings((first, other), case.tmp_path / "out"))
+
+
+@remedy(
+    "benchmark/silhouettes.py",
+    "benchmark {}: has no buildings; make one with buildings (terrainav benchmark make --reference-buildings)",
+)
+def _no_buildings(case: Case) -> None:
+    benchmark = made(case.tmp_path / "out").benchmark
+    case.refused(lambda: method_named("silhouette")(benchmark, benchmark.gallery("")))
+    houses = _footprints(case.tmp_path / "houses")
+    case.follow(
+        "make one with buildings (terrainav benchmark make --reference-buildings)",
+        lambda: (
+            case.run(
+                *(one if one != "out" else str(case.tmp_path / "with") for one in COMMAND),
+                *("--elevation", "20", "--reference-buildings", houses),
+            ).returncode
+            == 0
+        ),
+    )
+    again = Benchmark.read(case.tmp_path / "with")
+    method_named("silhouette")(again, again.gallery(""))
