@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections import Counter, OrderedDict
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -145,6 +146,7 @@ class FootprintBuildings:
         self._fields = (*self._heights, *(name for name in _FIELDS if name in layer.fields))
         self._tiles: OrderedDict[tuple[int, int], _Tile] = OrderedDict()
         self._counted: set[tuple[int, int]] = set()
+        self._lock = threading.Lock()
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
         """Triangles of the buildings whose boxes meet the bounding box of positions, but for small ones."""
@@ -180,22 +182,23 @@ class FootprintBuildings:
     def _tile(self, x: int, y: int) -> _Tile:
         """Tile of a place, from memory or made."""
         key = x, y
-        if key in self._tiles:
-            self._tiles.move_to_end(key)
-            return self._tiles[key]
-        kept = self.counts
-        if key in self._counted:
-            self.counts = BuildingCounts()
-        try:
-            tile = self._make(x, y)
-        finally:
+        with self._lock:
+            if key in self._tiles:
+                self._tiles.move_to_end(key)
+                return self._tiles[key]
+            kept = self.counts
             if key in self._counted:
-                self.counts = kept
-        self._counted.add(key)
-        self._tiles[key] = tile
-        while len(self._tiles) > 1 and sum(len(one.triangles) for one in self._tiles.values()) > _MOST_TRIANGLES:
-            self._tiles.popitem(last=False)
-        return tile
+                self.counts = BuildingCounts()
+            try:
+                tile = self._make(x, y)
+            finally:
+                if key in self._counted:
+                    self.counts = kept
+            self._counted.add(key)
+            self._tiles[key] = tile
+            while len(self._tiles) > 1 and sum(len(one.triangles) for one in self._tiles.values()) > _MOST_TRIANGLES:
+                self._tiles.popitem(last=False)
+            return tile
 
     def _make(self, x: int, y: int) -> _Tile:
         """Read the buildings of a tile and place them."""

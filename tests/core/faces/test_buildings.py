@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pyproj
 import pytest
+from terrainav.core.faces import buildings
 from terrainav.core.faces.buildings import (
     BY_DEFAULT,
     NO_BUILDING,
@@ -211,3 +212,80 @@ def test_neighbours_of_other_tiles_cover_only_what_they_overlap():
     hidden = set(found.instance[(found.kind == ROOF) & ~found.shows_imagery].tolist())
     assert edge + 1 in hidden
     assert hidden <= {edge + 1, edge + 2}
+
+
+def query(model, x0, y0, x1, y1, least_m=0.0):
+    """Triangles in a box of metres east and north."""
+    return model.triangles(LAT + np.array([y0, y1]) * M, LON + np.array([x0, x1]) * M, least_m)
+
+
+def test_a_building_across_tiles_is_seen_from_each_of_them_once_and_whole():
+    columns = [tile_column((x, 0)) for x in range(-600, 600)]
+    edge = -600 + next(k for k in range(1, len(columns)) if columns[k] != columns[0])
+    # It belongs to the tile of its first vertex, in the west.
+    boxes = [(edge - 10, 0, edge + 30, 20), (edge + 100, 0, edge + 120, 20)]
+    _, whole = read(Layer(boxes, height=(9, 9)))
+    for x in (edge - 8, edge + 25):
+        found = query(FootprintBuildings(Layer(boxes, height=(9, 9)), Ground()), x, 1, x + 2, 2)
+        assert set(found.instance.tolist()) == {1}
+        assert np.array_equal(found.corners_m, whole.corners_m[whole.instance == 1])
+    both = query(FootprintBuildings(Layer(boxes, height=(9, 9)), Ground()), edge - 8, 1, edge + 110, 2)
+    assert sorted(both.instance.tolist()) == sorted(whole.instance.tolist())
+
+
+def test_tiles_that_left_memory_are_made_again_alike_and_counted_once(monkeypatch):
+    boxes = [(150 * k, 0, 150 * k + 10, 10) for k in range(-4, 5)]
+    views = [(box[0], 0, box[2], 10) for box in boxes]
+    whole = FootprintBuildings(Layer(boxes), Ground())
+    wanted = [query(whole, *view).corners_m for view in views]
+    monkeypatch.setattr(buildings, "_MOST_TRIANGLES", 25)
+    small = FootprintBuildings(Layer(boxes), Ground())
+    for view, corners in 2 * list(zip(views, wanted)):
+        assert np.array_equal(query(small, *view).corners_m, corners)
+        assert sum(len(tile.triangles) for tile in small._tiles.values()) <= 40
+    assert len(whole._tiles) > 2
+    assert small.counts.by_default == whole.counts.by_default == len(boxes)
+
+
+def test_buildings_without_ground_are_left_out_and_counted():
+    class Island(Ground):
+        def surface(self, lat_deg, lon_deg, cell_m=0.0):
+            found = super().surface(lat_deg, lon_deg, cell_m)
+            heights = found.heights_m.copy()
+            columns = np.arange(heights.shape[1]) + found.left_px
+            heights[:, columns > (LON + 100 * M) / 360.0 * 256 * 2**16 + 128 * 2**16] = np.nan
+            return Surface(self.grid, 16, found.left_px, found.top_px, heights)
+
+    model = FootprintBuildings(Layer([(0, 0, 10, 10), (95, 0, 120, 10), (200, 0, 210, 10)]), Island())
+    found = query(model, -50, -50, 250, 50)
+    assert set(found.instance.tolist()) == {1}
+    assert np.isfinite(found.corners_m).all()
+    assert model.counts.without_ground == 2
+
+
+def test_small_buildings_may_be_left_out_but_no_tall_ones():
+    layer = Layer([(0, 0, 10, 10), (50, 0, 54, 4), (90, 0, 94, 4), (130, 0, 190, 4)], height=(5, 3, 60, 3))
+    model = FootprintBuildings(layer, Ground())
+    for least_m, wanted in ((0.0, {1, 2, 3, 4}), (8.0, {1, 3, 4}), (30.0, {3, 4}), (100.0, set())):
+        assert set(query(model, -20, -20, 200, 50, least_m).instance.tolist()) == wanted
+
+
+def test_colours_are_the_files_and_otherwise_plain_by_seed_and_building():
+    boxes = [(30 * k, 0, 30 * k + 10, 10) for k in range(20)]
+    walls, roofs = (["#0a141e", "Red", "no colour"] + 17 * [None], ["#fff", None, ""] + 17 * [None])
+    layer = Layer(boxes, **{"building:colour": walls, "roof:colour": roofs})
+
+    def of(kind, seed):
+        _, found = read(layer, BuildingOptions(seed=seed))
+        rows = [found.colour[(found.instance == k + 1) & (found.kind == kind)] for k in range(20)]
+        assert all((row == row[0]).all() for row in rows)
+        return [tuple(row[0].tolist()) for row in rows]
+
+    wall, roof = of(WALL, 1), of(ROOF, 1)
+    assert (wall[0], wall[1], roof[0]) == ((10, 20, 30), (176, 58, 46), (255, 255, 255))
+    assert set(wall[2:]) <= set(buildings._WALLS)
+    assert set(roof[1:]) <= set(buildings._ROOFS)
+    assert len(set(wall[2:])) > 3
+    assert of(WALL, 1) == wall
+    assert of(WALL, 2)[:2] == wall[:2]
+    assert of(WALL, 2) != wall
