@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ from ..dataset.folder import PARTS
 from ..dataset.table import NUMBER, WHOLE, Column, image_parts, json_cell, usable_rows, written_columns
 from ..errors import Cancelled, InvalidInput
 from ..map_types import SATELLITE
-from ..storage.files import link_or_copy, new_folder, write_whole
+from ..storage.files import link_or_copy, partial_folder, write_whole
 from .tables import chosen_sets
 
 METADATA_FILE = "metadata.jsonl"
@@ -39,7 +38,7 @@ def write_huggingface(
     Parameters
     ----------
     target : path
-        A new or empty folder.
+        A new or empty folder; until everything is written, its name ends in ``.part``.
     map_type : str or None
         Map type to export; None for all.
     progress : callable
@@ -55,29 +54,33 @@ def write_huggingface(
         The folder cannot be written or is not empty.
     """
     sets = chosen_sets(read_dataset(folder), map_type)
-    parts = {name: _parts(name, images) for name, images in sets.items()}
-    root = new_folder(target)
-    card, written = root / "README.md", []
+    parts = {name: rows_of_parts(name, images) for name, images in sets.items()}
     count, total = 0, sum(len(rows) for one in parts.values() for rows in one.values())
     features, types = {}, {WHOLE: "int64", NUMBER: "float64"}
-    for name, images in sets.items():
-        columns = _columns(images, np.concatenate([*parts[name].values()]))
-        features[name] = {one.header: types.get(one.kind, "string") for one in columns}
-        for part, rows in parts[name].items():
-            place = root / name / part
-            for row in rows.tolist():
-                link_or_copy(images.path(row), place / images.table.img_names[row])
-                count += 1
-                if progress is not None and not progress(count / total):
-                    shutil.rmtree(root, ignore_errors=True)
-                    raise Cancelled("stopped while images were exported: nothing is left of the export")
-            write_whole(place / METADATA_FILE, _lines(images, columns, rows))
-            written.append(place / METADATA_FILE)
-    write_whole(card, _card(sets, parts, features).encode("utf-8"))
-    return [card, *written]
+    written = [Path("README.md")]
+    with partial_folder(target) as root:
+        for name, images in sets.items():
+            columns = _columns(images, np.concatenate([*parts[name].values()]))
+            features[name] = {one.header: types.get(one.kind, "string") for one in columns}
+            for part, rows in parts[name].items():
+                place = Path(name, part)
+                for row in rows.tolist():
+                    link_or_copy(images.path(row), root / place / images.table.img_names[row])
+                    count += 1
+                    report_share(progress, count / total)
+                written.append(place / METADATA_FILE)
+                write_whole(root / written[-1], _lines(images, columns, rows))
+        write_whole(root / written[0], _card(sets, parts, features).encode("utf-8"))
+    return [Path(target) / one for one in written]
 
 
-def _parts(name: str, images: ImageSet) -> dict[str, Any]:
+def report_share(progress: Report | None, share: float) -> None:
+    """Report the share done of an export; raises Cancelled if the export is to stop."""
+    if progress is not None and not progress(share):
+        raise Cancelled("stopped while images were exported: nothing is left of the export")
+
+
+def rows_of_parts(name: str, images: ImageSet) -> dict[str, Any]:
     """Rows of each non-empty part; without a split, rows of all images under an empty name."""
     rows, part = np.flatnonzero(usable_rows(images.table)), image_parts(images.table)
     if part is None:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ..dataset.entropy import Report
 
-#: Titles of formats by name, for camera frames, for datasets and for benchmarks.
+#: Titles of formats by name, for camera frames, for datasets, for datasets with labels and for benchmarks.
 VIEWS: dict[str, str] = {
     "colmap": "COLMAP",
     "nerfstudio": "nerfstudio",
@@ -27,6 +27,10 @@ DATASETS: dict[str, str] = {
     "croissant": Message("Croissant description"),
     "stac": Message("STAC collection"),
 }
+LABEL_SETS = {
+    "coco": "COCO",
+    "yolo": "YOLO",
+}
 BENCHMARKS = {
     "university-1652": "University-1652",
     "denseuav": "DenseUAV",
@@ -35,7 +39,7 @@ BENCHMARKS = {
     "ortholoc": "OrthoLoC",
     "anyvisloc": "AnyVisLoc",
 }
-KINDS: dict[str, str] = {**VIEWS, **DATASETS, **BENCHMARKS}
+KINDS: dict[str, str] = {**VIEWS, **DATASETS, **LABEL_SETS, **BENCHMARKS}
 #: Formats that are written into the dataset's folder by default.
 BESIDE_TABLES = ("parquet", "croissant", "stac")
 
@@ -46,7 +50,7 @@ class Exported(NamedTuple):
     Parameters
     ----------
     written : int
-        Number of camera frames, of files of a dataset, or of queries of a benchmark.
+        Number of camera frames, of files of a dataset, of images with labels, or of queries of a benchmark.
     paths : tuple of Path
         The files written, or the folder that holds them.
     """
@@ -71,7 +75,7 @@ def export_as(
     kind : str
         One of `KINDS`.
     map_type : str or None
-        Map type to export; None for all map types or, for camera frames, for the first.
+        Map type to export; None for all map types or, for camera frames and labels, for one.
     progress : callable
         Called with the share done, 0 to 1, after each image; returning False cancels, and removes the export.
 
@@ -92,6 +96,11 @@ def export_as(
         target = folder
     if kind in DATASETS:
         return _export_dataset(folder, target, kind, map_type, progress)
+    if kind in LABEL_SETS:
+        from .label_sets import write_coco, write_yolo
+
+        write = {"coco": write_coco, "yolo": write_yolo}[kind]
+        return Exported(write(folder, target, map_type, progress), (Path(target),))
     if kind in BENCHMARKS:
         from ..benchmark.folder import Benchmark
         from .localisers import export_benchmark
@@ -113,11 +122,13 @@ def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]
     """
     from ..benchmark.folder import Benchmark
     from ..dataset.dataset import read_dataset
+    from .label_sets import LabelledSet
     from .views import Views
 
     checks: tuple[tuple[dict[str, str], Callable[[], Any]], ...] = (
         (VIEWS, lambda: Views.read(folder)),
         (DATASETS, lambda: read_dataset(folder)),
+        (LABEL_SETS, lambda: LabelledSet.read(folder)),
         (BENCHMARKS, lambda: Benchmark.read(folder)),
     )
     found: dict[str, TerrAInavError | None] = {}

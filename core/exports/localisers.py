@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import math
 import os
-import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,18 +23,18 @@ from ..benchmark.folder import POSITIVE, QUERIES_FILE, Benchmark, Queries, write
 from ..dataset.dataset import open_image
 from ..dataset.entropy import Report
 from ..dataset.folder import TEST, TRAIN, VALIDATION
-from ..errors import Cancelled, InvalidInput, OutputError
+from ..errors import InvalidInput
 from ..geodesy.local import LocalFrame
 from ..geodesy.mercator import wrap_lon_deg
 from ..storage.files import (
-    PARTIAL_ENDING,
     csv_bytes,
     json_bytes,
     link_or_copy,
     make_folder,
-    new_folder,
+    partial_folder,
     write_whole,
 )
+from .huggingface import report_share
 from .scenes import Ortho, OrthoGrid, SceneGround, local_frame
 from .views import ORIGIN_FILE, origin_record
 
@@ -83,8 +82,7 @@ class _Export:
     def image(self, stored: str, file: str) -> None:
         """Export an image of the benchmark as ``file``, whose ending states the format."""
         share = min(len(self.files) / max(len(self.benchmark.queries), 1), 1.0)
-        if self.progress is not None and not self.progress(share):
-            raise Cancelled("stopped while images were exported: nothing is left of the export")
+        report_share(self.progress, share)
         target, source = self.folder / file, self.benchmark.folder / stored
         wanted = _FORMATS[target.suffix.lower()]
         make_folder(target.parent)
@@ -145,23 +143,10 @@ def export_benchmark(
     """
     if kind not in LAYOUTS:
         raise InvalidInput("format {0!r}: must be one of {1}", kind, ", ".join(LAYOUTS))
-    path = new_folder(folder).resolve()
-    partial = path.with_name(path.name + PARTIAL_ENDING)
-    if partial.exists():
-        raise OutputError("folder {0}: left over from an interrupted export", partial, remedy="remove it")
-    export = _Export(benchmark, partial, progress=progress)
-    try:
-        make_folder(partial)
+    with partial_folder(folder) as partial:
+        export = _Export(benchmark, partial, progress=progress)
         LAYOUTS[kind](export)
         export.finish()
-        try:
-            path.rmdir()
-            os.replace(partial, path)
-        except OSError as wrong:
-            raise OutputError("folder {0}: cannot be made ({1})", folder, wrong.strerror) from wrong
-    except BaseException:
-        shutil.rmtree(partial, ignore_errors=True)
-        raise
     return len(export.files)
 
 

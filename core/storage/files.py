@@ -9,6 +9,7 @@ import errno
 import io
 import json
 import os
+import shutil
 import stat
 import sys
 from collections.abc import Iterable, Iterator, Sequence
@@ -368,6 +369,34 @@ def partial_file(target: Path, ending: str = PARTIAL_ENDING) -> Iterator[Path]:
     except BaseException:
         with contextlib.suppress(OSError):
             partial.unlink()
+        raise
+
+
+@contextlib.contextmanager
+def partial_folder(folder: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a folder whose name ends in ``.part``; rename it to ``folder`` at the end, or remove it after an exception.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be made, or it or the partial one is not empty.
+    """
+    path = new_folder(folder).resolve()
+    partial = path.with_name(path.name + PARTIAL_ENDING)
+    if partial.exists():
+        raise OutputError("folder {0}: left over from an interrupted export", partial, remedy="remove it")
+    try:
+        make_folder(partial)
+        yield partial
+        try:
+            path.rmdir()
+            os.replace(partial, path)
+        except OSError as wrong:
+            raise OutputError("folder {0}: cannot be made ({1})", folder, wrong.strerror) from wrong
+    except BaseException:
+        shutil.rmtree(partial, ignore_errors=True)
+        with contextlib.suppress(OSError):
+            path.rmdir()
         raise
 
 

@@ -2362,6 +2362,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>Labels of pixels</source>
+        <translation>Etiquetas de píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
         <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -2403,6 +2408,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
         <source>{count} files as {format} in {folder}.</source>
         <translation>{count} archivos como {format} en {folder}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>{count} images as {format} in {folder}.</source>
+        <translation>{count} imágenes como {format} en {folder}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
@@ -6460,8 +6470,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets, a description of its files, or STAC items and their collection. A benchmark becomes the layout of a published one.</source>
-        <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face, una descripción de sus archivos, o ítems STAC y su colección. Un conjunto de evaluación toma la estructura de uno publicado.</translation>
+        <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets, a description of its files, or STAC items and their collection. A dataset with labels becomes a training set in the layout of COCO or YOLO, and a benchmark the layout of a published one.</source>
+        <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face, una descripción de sus archivos, o ítems STAC y su colección. Un conjunto de datos con etiquetas se convierte en un conjunto de entrenamiento con la estructura de COCO o YOLO, y un conjunto de evaluación toma la estructura de uno publicado.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -6595,8 +6605,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Of camera frames: {views}. Of any dataset: {datasets}. Of a benchmark: {benchmarks}.</source>
-        <translation>De vistas de cámara: {views}. De cualquier conjunto de datos: {datasets}. De un conjunto de evaluación: {benchmarks}.</translation>
+        <source>Of camera frames: {views}. Of any dataset: {datasets}. Of labels of pixels: {labels}. Of a benchmark: {benchmarks}.</source>
+        <translation>De vistas de cámara: {views}. De cualquier conjunto de datos: {datasets}. De etiquetas de píxeles: {labels}. De un conjunto de evaluación: {benchmarks}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -6695,8 +6705,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,benchmark</source>
-        <translation>conjunto de datos,exportar,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,evaluación</translation>
+        <source>dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,coco,yolo,benchmark,university-1652</source>
+        <translation>conjunto de datos,exportar,colmap,nerfstudio,parquet,hugging face,croissant,stac,coco,yolo,evaluación,university-1652</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -9781,7 +9791,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/exports/huggingface.py"/>
-        <location filename="../../core/exports/localisers.py"/>
         <source>stopped while images were exported: nothing is left of the export</source>
         <translation>detenido mientras se exportaban las imágenes: no queda nada de la exportación</translation>
     </message>
@@ -9833,21 +9842,24 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>tipo de mapa {0!r}: los conjuntos de evaluación no tienen ninguno que elegir</translation>
     </message>
     <message>
-        <location filename="../../core/exports/localisers.py"/>
-        <location filename="../../core/storage/files.py"/>
-        <location filename="../../terrainav_plugin/remote/copies.py"/>
-        <source>folder {0}: cannot be made ({1})</source>
-        <translation>carpeta {0}: no se puede crear ({1})</translation>
+        <location filename="../../core/exports/label_sets.py"/>
+        <source>capture it with both products</source>
+        <translation>captúrelo con ambos productos</translation>
     </message>
     <message>
-        <location filename="../../core/exports/localisers.py"/>
-        <source>folder {0}: left over from an interrupted export</source>
-        <translation>carpeta {0}: quedó de una exportación que se detuvo</translation>
+        <location filename="../../core/exports/label_sets.py"/>
+        <source>folder {0}: has labels without both {1} and {2}</source>
+        <translation>carpeta {0}: tiene etiquetas sin {1} y {2} a la vez</translation>
     </message>
     <message>
-        <location filename="../../core/exports/localisers.py"/>
-        <source>remove it</source>
-        <translation>elimínela</translation>
+        <location filename="../../core/exports/label_sets.py"/>
+        <source>labels of {0}: must have the same size in {1} and {2}</source>
+        <translation>etiquetas de {0}: deben tener el mismo tamaño en {1} y {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/label_sets.py"/>
+        <source>labels of {0}: the class {1} is not in the table of classes</source>
+        <translation>etiquetas de {0}: la clase {1} no está en la tabla de clases</translation>
     </message>
     <message>
         <location filename="../../core/exports/localisers.py"/>
@@ -16437,8 +16449,19 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/storage/files.py"/>
+        <location filename="../../terrainav_plugin/remote/copies.py"/>
+        <source>folder {0}: cannot be made ({1})</source>
+        <translation>carpeta {0}: no se puede crear ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/storage/files.py"/>
         <source>folder {0}: is not empty</source>
         <translation>carpeta {0}: no está vacía</translation>
+    </message>
+    <message>
+        <location filename="../../core/storage/files.py"/>
+        <source>folder {0}: left over from an interrupted export</source>
+        <translation>carpeta {0}: quedó de una exportación que se detuvo</translation>
     </message>
     <message>
         <location filename="../../core/storage/files.py"/>
@@ -16449,6 +16472,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/storage/files.py"/>
         <source>image {0}: cannot be placed ({1})</source>
         <translation>imagen {0}: no se puede colocar ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/storage/files.py"/>
+        <source>remove it</source>
+        <translation>elimínela</translation>
     </message>
     <message>
         <location filename="../../core/storage/files.py"/>

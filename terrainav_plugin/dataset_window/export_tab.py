@@ -17,7 +17,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ...core.errors import TerrAInavError
-from ...core.exports.kinds import BENCHMARKS, BESIDE_TABLES, DATASETS, KINDS, VIEWS
+from ...core.exports.kinds import BENCHMARKS, BESIDE_TABLES, DATASETS, KINDS, LABEL_SETS, VIEWS
 from ...core.map_types import SATELLITE
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
@@ -59,7 +59,7 @@ def read_possible(folder: Path) -> ExportFormats:
 
 
 class ExportTab(Tab):
-    """Formats in three groups; only the formats possible for the dataset are enabled."""
+    """Formats in groups; only the formats possible for the dataset are enabled."""
 
     def __init__(self, work: Work) -> None:
         super().__init__("export_tab")
@@ -123,7 +123,7 @@ class ExportTab(Tab):
     def _show(self, possible: ExportFormats) -> None:
         self._possible = possible
         self.hint.hide()
-        for kinds, note in zip((VIEWS, DATASETS, BENCHMARKS), self.notes):
+        for kinds, note in zip((VIEWS, DATASETS, LABEL_SETS, BENCHMARKS), self.notes):
             reasons = [possible.reasons[kind] for kind in kinds]
             for kind, reason in zip(kinds, reasons):
                 self.kinds[kind].setToolTip("" if reason is None else shown_plain(translate(reason)))
@@ -184,6 +184,8 @@ class ExportTab(Tab):
         count, where = number_text(task.done.written), task.target or task.folder
         if task.kind in VIEWS:
             text = tr("{count} images as {format} in {folder}; the image files stay where they are.")
+        elif task.kind in LABEL_SETS:
+            text = tr("{count} images as {format} in {folder}.")
         elif task.kind in BENCHMARKS:
             text = tr("{count} queries as {format} in {folder}.")
         else:
@@ -205,6 +207,7 @@ class ExportTab(Tab):
         for title, kinds in (
             (tr("Camera frames"), VIEWS),
             (tr("Any dataset"), DATASETS),
+            (tr("Labels of pixels"), LABEL_SETS),
             (tr("Benchmarks"), BENCHMARKS),
         ):
             box = QGroupBox(title)

@@ -20,7 +20,7 @@ from qgis.core import (
 
 from ...core.dataset.folder import AUTO, DEFAULT_ENTROPY, PARTS, SEED, SHARES
 from ...core.errors import InvalidInput
-from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, VIEWS, export_as
+from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, LABEL_SETS, VIEWS, export_as
 from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, helps, outcome, split_methods, titles, undone_text
 from ..i18n import number_text, tr
 from .algorithm import Algorithm, AlgorithmRun, AlgorithmTexts, WorkFeedback, off_main_thread
@@ -304,13 +304,16 @@ class Export(Algorithm):
         return AlgorithmTexts(
             tr("Export a dataset or benchmark"),
             tr("Writes a dataset or a benchmark in a format of other programs."),
-            tr("dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,benchmark"),
+            tr(
+                "dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,coco,yolo,benchmark,"
+                "university-1652"
+            ),
             (
                 tr(
                     "Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay "
                     "where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets, a "
-                    "description of its files, or STAC items and their collection. A benchmark becomes the layout of "
-                    "a published one."
+                    "description of its files, or STAC items and their collection. A dataset with labels becomes "
+                    "a training set in the layout of COCO or YOLO, and a benchmark the layout of a published one."
                 ),
             ),
         )
@@ -320,10 +323,18 @@ class Export(Algorithm):
         self.add_dataset(tr("Of a capture, or of a benchmark."))
         self.add(
             ChoiceParameter("FORMAT", tr("Format"), KINDS, next(iter(KINDS))),
-            tr("Of camera frames: {views}. Of any dataset: {datasets}. Of a benchmark: {benchmarks}.").format(
+            tr(
+                "Of camera frames: {views}. Of any dataset: {datasets}. Of labels of pixels: {labels}. "
+                "Of a benchmark: {benchmarks}."
+            ).format(
                 **{
                     name: ", ".join(kinds)
-                    for name, kinds in (("views", VIEWS), ("datasets", DATASETS), ("benchmarks", BENCHMARKS))
+                    for name, kinds in (
+                        ("views", VIEWS),
+                        ("datasets", DATASETS),
+                        ("labels", LABEL_SETS),
+                        ("benchmarks", BENCHMARKS),
+                    )
                 }
             ),
         )

@@ -297,7 +297,7 @@ def _no_pyarrow(case: Case) -> None:
     case.follow("get it with: pip install 'terrainav[parquet]'", lambda: extra_brings("parquet", "pyarrow"))
 
 
-@remedy("exports/localisers.py", "folder {}: left over from an interrupted export; remove it")
+@remedy("storage/files.py", "folder {}: left over from an interrupted export; remove it")
 def _left_of_an_export(case: Case) -> None:
     benchmark = made(case.tmp_path / "out").benchmark
     (case.tmp_path / "other.part").mkdir()

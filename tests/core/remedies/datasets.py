@@ -25,6 +25,7 @@ from terrainav.core.dataset.loading.batches import optional_module
 from terrainav.core.dataset.split import split, undo_split
 from terrainav.core.dataset.table import Table, image_parts
 from terrainav.core.errors import Cancelled
+from terrainav.core.exports.label_sets import write_coco
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -710,17 +711,31 @@ def _turned_targets(case: Case) -> None:
     case.follow("leave the augmentation out", lambda: LabelledImages(folder, augment=None, **chosen))
 
 
+def labels_file(case: Case) -> tuple[str]:
+    """File of one field, as the labels of a mission."""
+    field = {"type": "Polygon", "coordinates": [[[-89.9, 35.156], [-89.895, 35.156], [-89.9, 35.16], [-89.9, 35.156]]]}
+    path = case.tmp_path / "fields.geojson"
+    path.write_text(json.dumps({"type": "Feature", "properties": {}, "geometry": field}))
+    return (str(path),)
+
+
+@remedy("exports/label_sets.py", "folder {}: has labels without both {} and {}; capture it with both products")
+def _one_product_of_labels(case: Case) -> None:
+    mission = MISSION.replace(labels=labels_file(case), products=("classes",))
+    folder = captured(case, mission, "classes-alone")
+    case.refused(lambda: write_coco(folder, case.tmp_path / "coco"))
+    both = captured(case, mission.replace(products=("classes", "instances")), "both")
+    case.follow("capture it with both products", lambda: write_coco(both, case.tmp_path / "coco"))
+
+
 @remedy("dataset/label_images.py", "folder {}: has no {}, as it was captured without labels; capture it with labels")
 def _no_labels(case: Case) -> None:
     chosen = {"part": "all", "targets": ("classes",)}
     folder = captured(case)
     case.refused(lambda: LabelledImages(folder, **chosen))
-    field = {"type": "Polygon", "coordinates": [[[-89.9, 35.156], [-89.895, 35.156], [-89.9, 35.16], [-89.9, 35.156]]]}
-    fields = case.tmp_path / "fields.geojson"
-    fields.write_text(json.dumps({"type": "Feature", "properties": {}, "geometry": field}))
 
     def with_labels():
-        labelled = captured(case, MISSION.replace(labels=(str(fields),)), "labelled")
+        labelled = captured(case, MISSION.replace(labels=labels_file(case)), "labelled")
         assert set(np.unique(LabelledImages(labelled, **chosen).take([0])[1])) == {0, 1}
 
     case.follow("capture it with labels", with_labels)
