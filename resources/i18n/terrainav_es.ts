@@ -2401,6 +2401,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>This folder has no labels of pixels.</source>
+        <translation>Esta carpeta no tiene etiquetas de píxeles.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
         <source>Write the dataset in this format</source>
         <translation>Escribir el conjunto de datos en este formato</translation>
     </message>

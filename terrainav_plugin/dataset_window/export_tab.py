@@ -130,6 +130,8 @@ class ExportTab(Tab):
             # If the whole group is impossible, show the reason once as text: tooltips need a mouse.
             if None in reasons:
                 note.setText("")
+            elif kinds is LABEL_SETS:
+                note.setText(tr("This folder has no labels of pixels."))
             elif kinds is BENCHMARKS:
                 note.setText(tr("This folder is not a benchmark."))
             else:

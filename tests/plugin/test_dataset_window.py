@@ -213,7 +213,11 @@ def test_only_what_a_dataset_can_become_is_offered(desk, window, dataset, tmp_pa
     for kind in ("university-1652", "ortholoc"):
         assert not tab.kinds[kind].isEnabled()
         assert "is not a benchmark" in tab.kinds[kind].toolTip()
-    assert tab.notes[2].text() == "This folder is not a benchmark."
+    assert "was captured without labels" in tab.kinds["coco"].toolTip()
+    assert [note.text() for note in tab.notes[2:]] == [
+        "This folder has no labels of pixels.",
+        "This folder is not a benchmark.",
+    ]
     target = tmp_path / "out"
     choose(tab.kinds["nerfstudio"])
     assert tab.target.filePath() == str(dataset.with_name("tilted-nerfstudio"))
@@ -233,6 +237,21 @@ def test_only_what_a_dataset_can_become_is_offered(desk, window, dataset, tmp_pa
     assert not any(tab.kinds[kind].isEnabled() for kind in VIEWS)
     assert tab.kinds["croissant"].isEnabled()
     assert tab.notes[0].isVisible()
+
+
+def test_labels_become_coco(desk, window, tmp_path, screenshot):
+    from tests.support.labelled import write_labelled
+
+    folder = write_labelled(tmp_path / "labelled")
+    tab = go_to(desk, window, folder, "export")
+    assert not tab.notes[2].isVisible()
+    choose(tab.kinds["coco"])
+    assert tab.target.filePath() == str(tmp_path / "labelled-coco")
+    press(desk, window, tab.export)
+    assert "14 images as COCO in " in tab.result.text()
+    screenshot("dataset-export-labels", window.window)
+    names = {one.name for one in (tmp_path / "labelled-coco" / "annotations").iterdir()}
+    assert names == {"instances_train.json", "instances_val.json", "instances_test.json"}
 
 
 def test_croissant_goes_beside_the_tables(desk, window, dataset):
