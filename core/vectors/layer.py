@@ -24,6 +24,8 @@ from .shaping import Reference
 MAX_VALUES = 65_535
 #: Number of the layout of index files; indices of other layouts are made anew.
 _LAYOUT = 1
+#: Endings of the files that formats keep beside the one that is named: of shapefiles, and of MapInfo.
+_COMPANIONS = (".shp", ".shx", ".dbf", ".prj", ".cpg", ".tab", ".dat", ".map", ".id", ".ind", ".mif", ".mid")
 _INDEXING = threading.Lock()
 
 
@@ -220,7 +222,7 @@ def _fingerprint(file: Path, layer: str) -> str:
             (one.name, one.stat().st_size, one.stat().st_mtime_ns)
             for one in sorted(file.absolute().parent.iterdir())
             if one.name == file.name
-            or (one.stem == file.stem and len(one.suffix) == 4)
+            or (one.stem == file.stem and one.suffix.lower() in _COMPANIONS)
             or one.name == f"{file.name}-wal"
         ]
     except OSError as wrong:

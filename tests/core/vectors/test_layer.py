@@ -297,6 +297,15 @@ def test_threads_that_need_one_index_write_it_once(tmp_path, monkeypatch):
     assert said == []
 
 
+def test_files_of_other_programs_beside_a_layer_leave_its_index_as_it_is(tmp_path):
+    path = squares(tmp_path / "roofs.geojson", 3)
+    first = open_layer(path, index_dir=tmp_path / "index")
+    (tmp_path / "roofs.qml").write_text("a style")
+    assert open_layer(path, index_dir=tmp_path / "index").index == first.index
+    (tmp_path / "roofs.prj").write_text("of a shapefile")
+    assert open_layer(path, index_dir=tmp_path / "index").index != first.index
+
+
 def test_features_in_a_box_are_counted_and_limited(tmp_path):
     layer = open_layer(squares(tmp_path / "roofs.geojson", 25), index_dir=tmp_path / "index")
     box = (7.02, 45.0, 7.101, 47.0)
