@@ -27,13 +27,14 @@ from pathlib import Path
 
 import numpy as np
 import processing
-from osgeo import gdal
+from osgeo import gdal, ogr, osr
 from PIL import Image
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsFeature,
     QgsGeometry,
     QgsLineSymbol,
+    QgsPointXY,
     QgsProject,
     QgsRasterLayer,
     QgsRectangle,
@@ -44,6 +45,7 @@ from qgis.PyQt.QtGui import QPixmap
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import (
     QApplication,
+    QComboBox,
     QDialogButtonBox,
     QDockWidget,
     QMenu,
@@ -69,8 +71,13 @@ from stage import (
     wait,
     wait_until_drawn,
 )
+from terrainav.core.geodesy.local import geodetic
+from terrainav.core.geodesy.triangles import ROOF
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
+from terrainav.core.mission.parts import Imagery
+from terrainav.core.world.houses import WorldHouses
+from terrainav.core.world.lattice import chart_seed
 from terrainav.core.world.source import WorldHeights
 from terrainav.terrainav_plugin.form.mission_form import FormState
 from terrainav.terrainav_plugin.panel.options_page import OptionsPage
@@ -89,7 +96,7 @@ MOST_BYTES = 92_000
 #: Largest size of most pictures of a part of the window; all pictures together must stay below the guide's limit.
 FEWER_BYTES = 84_000
 #: Largest size of the smallest picture.
-FEWEST_BYTES = 29_000
+FEWEST_BYTES = 25_000
 WIDEST_PX = 1200
 QUALITIES = range(85, 20, -5)
 
@@ -494,6 +501,49 @@ def learning(stage: Stage) -> None:
     stage.shoot("learning.jpg", stage.part(stage.canvas, stage.dock), stage.form.imagery, FEWER_BYTES)
 
 
+def labelled(stage: Stage) -> None:
+    """Roofs of a layer as labels: an image with its classes."""
+    path = FOLDER / "roofs.gpkg"
+    world_roofs(path)
+    stage.begin(TOWN, "roofs", agl=90.0, tilt_deg=35.0, image_px=800, labels=(f"{path}:roofs:kind",))
+    stage.plan()
+    stage.capture()
+    iface.messageBar().clearWidgets()
+    stage.plugin.actions["view_images"].trigger()
+    viewing = stage.session.viewing
+    wait("image", lambda: viewing.seen is not None and not viewing.busy)
+    stage.settle()
+    click_map(at(0.5, 0.5))
+    wait("image", lambda: not viewing.busy)
+    choose(viewing.viewer.findChild(QComboBox, "shown_labels"), "classes")
+    wait("labels", lambda: not viewing.busy)
+    stage.shoot("classes.jpg", stage.part(viewing.viewer.view, viewing.viewer.labels), most_bytes=FEWEST_BYTES)
+    viewing.stop()
+    viewing.viewer.hide()
+
+
+def world_roofs(path: Path) -> None:
+    """Write the outlines of the embedded world's roofs in a town, with a kind by their size, as a GeoPackage."""
+    lat, lon = TOWN_PLACE
+    around = np.array([lat - 0.003, lat + 0.003]), np.array([lon - 0.004, lon + 0.004])
+    houses = WorldHouses(chart_seed(Imagery.seed, 0)).triangles(*around)
+    roofs = houses.take(houses.kind == ROOF)
+    at_lat, at_lon, _ = geodetic(roofs.corners_m)
+    made = ogr.GetDriverByName("GPKG").CreateDataSource(str(path))
+    spatial = osr.SpatialReference()
+    spatial.ImportFromEPSG(4326)
+    layer = made.CreateLayer("roofs", spatial, ogr.wkbPolygon)
+    layer.CreateField(ogr.FieldDefn("kind", ogr.OFTString))
+    for number in np.unique(roofs.instance).tolist():
+        own = roofs.instance == number
+        points = [QgsPointXY(x, y) for x, y in zip(at_lon[own].ravel().tolist(), at_lat[own].ravel().tolist())]
+        outline = QgsGeometry.fromMultiPointXY(points).convexHull()
+        feature = ogr.Feature(layer.GetLayerDefn())
+        feature.SetField("kind", "house" if outline.area() > 0.9e-8 else "outbuilding")
+        feature.SetGeometry(ogr.CreateGeometryFromWkt(outline.asWkt()))
+        layer.CreateFeature(feature)
+
+
 # --- scenes: areas, sources and previews
 
 
@@ -874,6 +924,7 @@ SCENES: dict[str, Callable[[Stage], None]] = {
         relief,
         height_profile,
         learning,
+        labelled,
         choices,
         previews,
         capturing,
