@@ -182,17 +182,17 @@ def change_labels(labels: NDArray[np.int64], change: Change, beyond: int) -> NDA
     matrix = _Matrix.of(change, width, height)
     x, y = np.arange(width) + 0.5, np.arange(height)[:, np.newaxis] + 0.5
     # Sums of few multiples of 2^-17 are exact.
-    column = np.floor(matrix.xx * x + matrix.xy * y + matrix.x).astype(np.int64)
-    row = np.floor(matrix.yx * x + matrix.yy * y + matrix.y).astype(np.int64)
-    inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-    return np.where(inside, labels[np.where(inside, row, 0), np.where(inside, column, 0)], beyond)
+    column = np.floor(matrix.xx * x + (matrix.xy * y + matrix.x)).astype(np.int64)
+    row = np.floor(matrix.yx * x + (matrix.yy * y + matrix.y)).astype(np.int64)
+    outside = (column < 0) | (column >= width) | (row < 0) | (row >= height)
+    at = np.where(outside, labels.size, row * width + column)
+    return np.append(labels, beyond).take(at)
 
 
 def resize_labels(labels: NDArray[np.int64], height: int, width: int) -> NDArray[np.int64]:
     """Resize labels (h, w) to (height, width): the labels at the centres of the pixels."""
     rows, columns = ((2 * np.arange(new) + 1) * old // (2 * new) for new, old in zip((height, width), labels.shape))
-    found: NDArray[np.int64] = labels[rows[:, np.newaxis], columns]
-    return found
+    return labels.take(rows, axis=0).take(columns, axis=1)
 
 
 def _warp(image: Image.Image, change: Change) -> Image.Image:
