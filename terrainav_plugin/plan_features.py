@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ..core.faces.buildings import BuildingCounts
+    from ..core.geodesy.triangles import FaceModel
     from ..core.labels.label_map import LabelMap
+    from ..core.mission.parts import Terrain
     from ..core.mission.plan import Plan
     from ..core.vectors.features import Features
     from ..core.vectors.layer import VectorLayer
@@ -33,6 +35,7 @@ _MOST_SEARCHED = 2_000
 _M_PER_DEG = 111_320.0
 #: Colours of buildings with a height, with levels, and of default height, for the colour-blind too.
 _BUILDING_COLOURS = ("#0072b2", "#56b4e9", "#d55e00")
+_CITY_COLOUR = "#009e73"
 
 
 class DrawnFeatures(NamedTuple):
@@ -190,34 +193,88 @@ def _layer_note(name: str, layer: VectorLayer) -> str:
 
 
 def _read_buildings(plan: Plan, views: _ImageBoxes) -> tuple[tuple[DrawnFeatures, ...], int, str]:
-    from ..core.faces.buildings import NO_BUILDING, BuildingOptions, FootprintBuildings
+    from ..core.faces.city_buildings import CityBuildings
     from ..core.faces.opening import parse_city
-    from ..core.vectors.layer import open_layer, parse_layer
 
     terrain = plan.mission.terrain
-    options = BuildingOptions(terrain.building_height_field, terrain.building_height_m)
-    height = tr("default height ({height} m)").format(height=number_text(terrain.building_height_m, "g"))
-    kinds = [*zip((tr("with height"), tr("with levels"), height), _BUILDING_COLOURS)]
     drawn, lines, count, in_view = [], [], 0, False
-    for text in terrain.buildings:
-        if parse_city(text) is not None:
-            # The plan itself warns of what it has repaired and left out there.
-            in_view = True
+    most = MOST_FEATURES // len(terrain.buildings)
+    for text, model in zip(terrain.buildings, _models(plan)):
+        if isinstance(model, CityBuildings):
+            # The plan itself warns of what is repaired or left out of such a file.
+            found, around = _city_roofs(model, views.near, most)
+            lines.append(tr("{name}: {count} buildings.").format(name=model.title, count=number_text(model.count)))
+            is_seen = around > 0
+        elif parse_city(text) is not None:
             continue
-        name = parse_layer(text)
-        layer = open_layer(name.path, name.layer)
-        # Of its own, as that of the plan counts what images show; without ground, as nothing is placed on it.
-        model = FootprintBuildings(layer, None, options)
-        features, sources = model.survey(*views.near, most=MOST_FEATURES // len(terrain.buildings))
-        places = np.where(sources == NO_BUILDING, -1, sources).tolist()
-        drawn.append(DrawnFeatures(features, places, kinds))
-        around = layer.count_in(*views.near)
-        lines += [_layer_note(layer.title, layer), _building_note(model.counts, len(features), around)]
-        count += around
-        in_view = in_view or views.show(layer)
+        else:
+            layer, found, counts = _read_footprints(text, terrain, views.near, most)
+            around, is_seen = layer.count_in(*views.near), views.show(layer)
+            lines += [_layer_note(layer.title, layer), _building_note(counts, len(found.features), around)]
+        drawn.append(found)
+        count, in_view = count + around, in_view or is_seen
     if not in_view:
         lines.append(tr("No building stands in any image."))
     return tuple(drawn), count, "\n".join(filter(None, lines))
+
+
+def _read_footprints(
+    text: str, terrain: Terrain, box: Box, most: int
+) -> tuple[VectorLayer, DrawnFeatures, BuildingCounts]:
+    """Footprints of a layer, by where their heights come from."""
+    from ..core.faces.buildings import NO_BUILDING, BuildingOptions, FootprintBuildings
+    from ..core.vectors.layer import open_layer, parse_layer
+
+    name = parse_layer(text)
+    layer = open_layer(name.path, name.layer)
+    options = BuildingOptions(terrain.building_height_field, terrain.building_height_m)
+    # A model of its own, as that of the plan counts what images show; without ground, as nothing is placed on it.
+    model = FootprintBuildings(layer, None, options)
+    features, sources = model.survey(*box, most=most)
+    height = tr("default height ({height} m)").format(height=number_text(terrain.building_height_m, "g"))
+    kinds = [*zip((tr("with height"), tr("with levels"), height), _BUILDING_COLOURS)]
+    places = np.where(sources == NO_BUILDING, -1, sources).tolist()
+    return layer, DrawnFeatures(features, places, kinds), model.counts
+
+
+def _models(plan: Plan) -> Sequence[FaceModel | None]:
+    """Models of each file of buildings; None where no building stands in any image."""
+    if plan.relief.is_level:
+        return [None] * len(plan.mission.terrain.buildings)
+    faces = plan.relief.heights.faces
+    return getattr(faces, "models", (faces,))
+
+
+def _city_roofs(model: FaceModel, box: Box, most: int) -> tuple[DrawnFeatures, int]:
+    """Roofs of a CityJSON file, those nearest to the middle of a box, and the number of buildings in the box."""
+    from ..core.geodesy.local import geodetic
+    from ..core.geodesy.triangles import ROOF
+    from ..core.vectors.features import POLYGON, Features
+
+    west, south, east, north = box
+    found = model.triangles(np.array([south, north]), np.array([west, east]))
+    found = found.take(found.kind == ROOF)
+    lat, lon, _ = (values.reshape(-1, 3) for values in geodetic(found.corners_m.reshape(-1, 3)))
+    lon = lon + 360.0 * np.round(((west + east) / 2.0 - lon) / 360.0)
+    across = (lon[:, 0] - (west + east) / 2.0) * np.cos(np.radians((south + north) / 2.0))
+    numbers, which = np.unique(found.instance, return_inverse=True)
+    away = np.full(len(numbers), np.inf)
+    np.minimum.at(away, which, np.hypot(across, lat[:, 0] - (south + north) / 2.0))
+    kept = np.sort(np.argsort(away, kind="stable")[:most])
+    rows = np.flatnonzero(np.isin(which, kept))
+    rows = rows[np.argsort(which[rows], kind="stable")]
+    closed = [0, 1, 2, 0]
+    features = Features(
+        numbers[kept],
+        np.full(len(kept), POLYGON, np.uint8),
+        lon[rows][:, closed].ravel(),
+        lat[rows][:, closed].ravel(),
+        4 * np.arange(len(rows) + 1),
+        np.arange(len(rows) + 1),
+        np.searchsorted(which[rows], np.append(kept, len(numbers))),
+        {},
+    )
+    return DrawnFeatures(features, [0] * len(kept), [(tr("of CityJSON"), _CITY_COLOUR)]), len(numbers)
 
 
 def _building_note(counts: BuildingCounts, read: int, around: int) -> str:

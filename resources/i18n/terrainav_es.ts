@@ -5517,6 +5517,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>of CityJSON</source>
+        <translation>de CityJSON</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
         <source>with height</source>
         <translation>con altura</translation>
     </message>
@@ -5539,6 +5544,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/plan_features.py"/>
         <source>{count} repaired (self-crossing)</source>
         <translation>{count} reparados (se cruzaban a sí mismos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plan_features.py"/>
+        <source>{name}: {count} buildings.</source>
+        <translation>{name}: {count} edificios.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/plan_features.py"/>

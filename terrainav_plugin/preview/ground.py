@@ -71,4 +71,8 @@ def _shape(drawn: DrawnFeatures, index: int, plane: Plane) -> QgsGeometry:
             if np.isfinite((x[0], y[0])).all():
                 point = QgsGeometry.fromPointXY(QgsPointXY(x[0], y[0]))
                 found.append(point.buffer(drawn.radius_m / unit_m, _SEGMENTS))
-    return QgsGeometry.collectGeometry([one for one in found if not one.isEmpty()])
+    found = [one for one in found if not one.isEmpty()]
+    # Triangles of a roof become one outline.
+    whole = found[0] if len(found) == 1 else QgsGeometry.unaryUnion(found)
+    whole.convertToMultiType()
+    return whole

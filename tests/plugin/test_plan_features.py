@@ -6,6 +6,8 @@ import json
 import threading
 from dataclasses import replace
 
+import numpy as np
+import pyproj
 import pytest
 from qgis.core import QgsCategorizedSymbolRenderer, QgsProject
 from qgis.PyQt.QtWidgets import QLabel
@@ -230,3 +232,56 @@ def test_many_features_are_drawn_in_part_which_is_stated(desk, tmp_path, monkeyp
         "many: 25 features.\n"
         "Of the nearest 6 of 25 features in the planned area: 0 with a height, 0 with levels, 6 of the default height."
     )
+
+
+@pytest.fixture
+def city(tmp_path):
+    """A CityJSON file with two boxes of ten metres, 20 m apart, in UTM."""
+    to_utm = pyproj.Transformer.from_crs(4326, 32616, always_xy=True)
+    x0, y0 = (float(round(at)) for at in to_utm.transform((WEST + EAST) / 2.0, (SOUTH + NORTH) / 2.0))
+    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    vertices, things = [], {}
+    for number in range(2):
+        first = len(vertices)
+        west = x0 + 30.0 * number
+        for up in (0.0, 8.0):
+            vertices += [[west + x, y0 + y, up] for x, y in ((0, 0), (10, 0), (10, 10), (0, 10))]
+        solid = [[[[first + at for at in ring]] for ring in faces]]
+        things[f"house{number}"] = {
+            "type": "Building",
+            "geometry": [{"type": "Solid", "lod": "1", "boundaries": solid}],
+        }
+    path = tmp_path / "town.city.json"
+    content = {
+        "type": "CityJSON",
+        "version": "1.1",
+        "metadata": {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/32616"},
+        "transform": {"scale": [0.001] * 3, "translate": [0.0] * 3},
+        "CityObjects": things,
+        "vertices": [[round(1000 * at) for at in place] for place in vertices],
+    }
+    path.write_text(json.dumps(content))
+    return path, (x0, y0), to_utm
+
+
+def test_buildings_of_cityjson_are_drawn_by_their_roofs(desk, city, houses):
+    path, (x0, y0), to_utm = city
+    enter(desk, elevation=("100",), buildings=(f"{path}#heights=ground", houses))
+    lines = note(desk, "buildings").splitlines()
+    assert lines[0] == "town.city.json: 2 buildings."
+    assert lines[1] == "houses: 4 features."
+    desk.click(desk.dock.preview)
+    desk.wait(lambda: bool(desk.group()) and "Buildings" in desk.layer_names() and not desk.session.preview.busy)
+    desk.wait(lambda: desk.layer("Buildings").featureCount() == 6)
+    found, colours = drawn(desk, "Buildings")
+    assert len(colours) == 4
+    roofs = [shape for kind, _, shape in found if kind == "of CityJSON"]
+    for number, shape in enumerate(roofs):
+        # One outline, without the edges between triangles.
+        (ring,) = shape.asMultiPolygon()[0]
+        assert len(shape.asMultiPolygon()) == 1
+        degrees = [(at.x() / 20037508.342789244 * 180.0, at.y()) for at in ring]
+        lat = [np.degrees(np.arctan(np.sinh(y / 6378137.0))) for _, y in degrees]
+        x, y = to_utm.transform([lon for lon, _ in degrees], lat)
+        assert (min(x), max(x)) == pytest.approx((x0 + 30.0 * number, x0 + 30.0 * number + 10.0), abs=0.01)
+        assert (min(y), max(y)) == pytest.approx((y0, y0 + 10.0), abs=0.01)
