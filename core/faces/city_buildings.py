@@ -17,6 +17,7 @@ from ..geodesy.local import geocentric
 from ..geodesy.projections import transformation
 from ..geodesy.raytracing.tracing import ElevationModel
 from ..geodesy.reference import read_reference
+from ..geodesy.skins import Skin
 from ..geodesy.triangles import ROOF, SKIRT_M, WALL, Triangles
 from .buildings import BuildingOptions, lowest_ground_m, plain_colours
 from .cityjson import CityModel
@@ -98,6 +99,7 @@ class CityBuildings:
             raise InvalidInput("{0}: has no buildings with surfaces", model.title)
         #: Triangles with vertices where the reference system is not defined, or far from the rest of their building.
         self.out_of_range = len(model.faces.triangles) - len(self._triangles)
+        self._place_rows = np.cumsum(model.faces.texture >= 0) - 1
         self._index()
         self._tiles: OrderedDict[tuple[int, int], tuple[Triangles, Numbers]] = OrderedDict()
         self._counted: set[tuple[int, int]] = set()
@@ -210,6 +212,16 @@ class CityBuildings:
         placed = Triangles.joined(parts)
         return with_covered(placed, np.arange(len(placed)))
 
+    def _skin(self, own: Numbers) -> Skin | None:
+        """Textures of triangles; None if none has any."""
+        texture = self.model.faces.texture[own]
+        has_texture = texture >= 0
+        if not has_texture.any():
+            return None
+        places = np.zeros((len(own), 3, 2))
+        places[has_texture] = self.model.faces.texture_places[self._place_rows[own[has_texture]]]
+        return Skin(texture, places, self.model.textures)
+
     def _building(self, own: Numbers, feet: Numbers, raise_m: float, foot_m: float) -> list[Triangles]:
         """Faces of a building, without the floor it stands on, and its walls below."""
         faces = self.model.faces
@@ -220,7 +232,7 @@ class CityBuildings:
         plain = np.where((kind == ROOF)[:, None], roof, wall)
         colour = np.where(given < 0, plain, given).astype(np.uint8)
         corners = self._corners(faces.triangles[own], self._up_m[faces.triangles[own]] + raise_m)
-        found = [Triangles(corners, kind, faces.instance[own], colour, faces.shows_imagery[own])]
+        found = [Triangles(corners, kind, faces.instance[own], colour, faces.shows_imagery[own], self._skin(own))]
         if len(feet):
             top = self._up_m[feet] + raise_m
             bottom = np.minimum(top, foot_m) - SKIRT_M

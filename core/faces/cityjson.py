@@ -19,7 +19,7 @@ from ..geodesy.triangles import FLOOR, ROOF, SKIRT_M, WALL
 from ..storage.files import open_foreign, read_limited
 from ..text.plain import one_line
 from ..text.safe_json import parse_json
-from .appearance import Appearance
+from .appearance import Appearance, ImageTexture
 from .surfaces import cut, is_closed, rim, volume_m3
 
 #: Largest file, which takes ten times as much memory; tiles of national data sets have up to some 100 MB.
@@ -47,6 +47,7 @@ _KINDS = {
 }  # fmt: skip
 _INSIDE = {"InteriorWallSurface", "CeilingSurface", "FloorSurface"}
 _UNKNOWN = 255
+_NO_PLACES = np.empty((0, 3, 2))
 
 
 @dataclass
@@ -126,6 +127,10 @@ class CityFaces(NamedTuple):
         Colour that the file gives; -1 where it gives none.
     on_ground, shows_imagery : array (t,) of bool
         Undersides that stand on the ground, and roofs without others above them.
+    texture : array (t,) of int32
+        Index of the texture; -1 without.
+    texture_places : array (s, 3, 2)
+        Where the corners of those with textures lie in them, one after the other; see `Skin`.
     feet : array (e, 2)
         Edges of triangles that stand on the ground, walls below which face outward.
     feet_instance : array (e,)
@@ -137,6 +142,8 @@ class CityFaces(NamedTuple):
     colour: NDArray[np.int16]
     on_ground: Flags
     shows_imagery: Flags
+    texture: NDArray[np.int32]
+    texture_places: Floats
     feet: Numbers
     feet_instance: Numbers
 
@@ -154,6 +161,7 @@ class CityModel:
     points : array (m, 3)
         Coordinates, easting first, in the units of the reference system.
     faces : CityFaces
+    textures : tuple of ImageTexture
     counts : CityCounts
     """
 
@@ -161,6 +169,7 @@ class CityModel:
     crs: str
     points: Floats
     faces: CityFaces
+    textures: tuple[ImageTexture, ...]
     counts: CityCounts
 
 
@@ -214,7 +223,7 @@ def read_city(path: str, crs: str = "", lod: str = "") -> CityModel:
     if not reader.found:
         raise InvalidInput("{0}: has no buildings with surfaces", title)
     faces = CityFaces(*(np.concatenate(values) for values in zip(*reader.found)))
-    return CityModel(title, crs, np.concatenate(reader.points), faces, reader.counts)
+    return CityModel(title, crs, np.concatenate(reader.points), faces, tuple(reader.textures), reader.counts)
 
 
 def _reference(head: dict[str, Any], title: str) -> str:
@@ -291,6 +300,17 @@ def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
+class _CitySurface(NamedTuple):
+    """Triangles of a surface, and what is the same for all of them."""
+
+    triangles: Numbers
+    kind: int
+    colour: tuple[int, int, int]
+    stands: bool
+    texture: int
+    texture_places: Floats
+
+
 class _Shell(NamedTuple):
     """Triangles of a shell of a solid, or of surfaces that make up none."""
 
@@ -298,6 +318,8 @@ class _Shell(NamedTuple):
     kind: NDArray[np.uint8]
     colour: NDArray[np.int16]
     stands: Flags
+    texture: NDArray[np.int32]
+    texture_places: Floats
     is_solid: bool
 
 
@@ -308,6 +330,8 @@ class _FacesReader:
         self.counts = CityCounts()
         self.points: list[Floats] = []
         self.found: list[CityFaces] = []
+        #: Textures of faces, numbered from 0.
+        self.textures: dict[ImageTexture, int] = {}
         self._lod, (self._scale, self._shift), self._is_geographic = lod, scale, is_geographic
         self._before = 0
 
@@ -327,7 +351,7 @@ class _FacesReader:
         self.points.append(places)
         self._before += len(places)
         self.counts.textures += len(appearance.textures)
-        self.counts.missing_textures += sum(not is_there for is_there in appearance.textures.values())
+        self.counts.missing_textures += sum(one is None for one in appearance.textures.values())
 
     def _metres(self, places: Floats) -> Floats:
         """Coordinates from the first point, of which surfaces are cut; in metres if the file's are degrees."""
@@ -464,7 +488,7 @@ class _FacesReader:
         if semantics is not None and not (isinstance(kinds, list) and (values is None or isinstance(values, list))):
             self.counts.add("broken_semantics", root)
             kinds = None
-        shells: dict[tuple[int, ...], list[tuple[Any, ...]]] = {}
+        shells: dict[tuple[int, ...], list[_CitySurface]] = {}
         for path, rings in self._surfaces(root, geometry.get("boundaries"), depth):
             semantic = _semantic(kinds, values, path)
             if semantic in _INSIDE:
@@ -472,9 +496,27 @@ class _FacesReader:
                 continue
             triangles = self._cut(root, rings, points, same)
             if len(triangles):
-                about = _KINDS.get(semantic, _UNKNOWN), appearance.colour(geometry, path), semantic == "GroundSurface"
-                shells.setdefault(path[:-1], []).append((triangles, *about))
+                shells.setdefault(path[:-1], []).append(
+                    _CitySurface(
+                        triangles,
+                        _KINDS.get(semantic, _UNKNOWN),
+                        appearance.colour(geometry, path) or (-1, -1, -1),
+                        semantic == "GroundSurface",
+                        *self._textured(appearance.texture(geometry, path, rings), triangles, same),
+                    )
+                )
         return [self._shell(root, surfaces, points, depth > 1) for surfaces in shells.values()]
+
+    def _textured(
+        self, found: tuple[ImageTexture, dict[int, tuple[float, float]]] | None, triangles: Numbers, same: list[int]
+    ) -> tuple[int, Floats]:
+        """Number of a surface's texture and the places of its triangles' corners; -1 and none without."""
+        if found is None:
+            return -1, _NO_PLACES
+        texture, vertices = found
+        places = {same[vertex]: place for vertex, place in vertices.items()}
+        corners = np.array([places[point] for point in triangles.ravel().tolist()]).reshape(-1, 3, 2)
+        return self.textures.setdefault(texture, len(self.textures)), corners
 
     def _surfaces(
         self, root: str, boundaries: Any, depth: int, path: tuple[int, ...] = ()
@@ -514,20 +556,26 @@ class _FacesReader:
                 self.counts.add(fault, root)
         return found.triangles
 
-    def _shell(self, root: str, surfaces: list[tuple[Any, ...]], points: Floats, is_solid: bool) -> _Shell:
+    def _shell(self, root: str, surfaces: list[_CitySurface], points: Floats, is_solid: bool) -> _Shell:
         """Shell of its surfaces, turned outward if it is closed."""
-        counts = [len(triangles) for triangles, *_ in surfaces]
-        triangles = np.concatenate([triangles for triangles, *_ in surfaces])
+        all_triangles, kinds, colours, stands, textures, all_places = zip(*surfaces)
+        triangles, places = np.concatenate(all_triangles), np.concatenate(all_places)
         closed = is_closed(triangles)
         if closed and volume_m3(triangles, points) < 0.0:
-            triangles = triangles[:, ::-1]
+            triangles, places = triangles[:, ::-1], places[:, ::-1]
             self.counts.add("turned_shells", root)
         if is_solid and not closed:
             self.counts.add("open_shells", root)
-        kind = np.repeat(np.array([kind for _, kind, *_ in surfaces], np.uint8), counts)
-        colour = np.repeat(np.array([rgb or (-1, -1, -1) for *_, rgb, _ in surfaces], np.int16), counts, axis=0)
-        stands = np.repeat(np.array([on_ground for *_, on_ground in surfaces], np.bool_), counts)
-        return _Shell(triangles, kind, colour, stands, closed)
+        counts = [len(one) for one in all_triangles]
+        return _Shell(
+            triangles,
+            np.repeat(np.array(kinds, np.uint8), counts),
+            np.repeat(np.array(colours, np.int16), counts, axis=0),
+            np.repeat(np.array(stands, np.bool_), counts),
+            np.repeat(np.array(textures, np.int32), counts),
+            places,
+            closed,
+        )
 
 
 def _semantic(kinds: Any, values: Any, path: tuple[int, ...]) -> str:
@@ -568,6 +616,8 @@ def _faces(shells: list[_Shell], points: Floats, instance: int, before: int, has
         np.concatenate([one.colour for one in shells]),
         stands,
         (kind == ROOF) & ~_covered(corners, kind == ROOF),
+        np.concatenate([one.texture for one in shells]),
+        np.concatenate([one.texture_places for one in shells]),
         feet + before,
         np.full(len(feet), instance, np.int64),
     )

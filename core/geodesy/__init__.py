@@ -12,6 +12,7 @@ In reading order:
 - `projections`: UTM, a conformal plane about any place, geodesics, and transformations
 - `vertical`: vertical datums by name and code
 - `local`: metres east, north and up from a place
+- `skins`: textures on triangles
 - `triangles`: triangles in the Earth's frame
 - `covered_roofs`: roofs beneath others
 - `joined_faces`: several models of triangles as one

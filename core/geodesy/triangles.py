@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ..arrays import Flags, Floats, NDArray, Numbers
+from .skins import Skin, joined_skins
 
 #: Kinds of surfaces: the relief itself, and those of buildings.
 RELIEF, ROOF, WALL, FLOOR = 0, 1, 2, 3
@@ -32,6 +33,8 @@ class Triangles:
         Colour, red, green and blue, where no imagery shows the surface.
     shows_imagery : array (n,) of bool
         Whether the imagery shows the surface: roofs with nothing above them.
+    skin : Skin or None
+        Textures of what no imagery shows; None without any.
     """
 
     corners_m: Floats
@@ -39,13 +42,21 @@ class Triangles:
     instance: Numbers
     colour: NDArray[np.uint8]
     shows_imagery: Flags
+    skin: Skin | None = None
 
     def __len__(self) -> int:
         return len(self.kind)
 
     def take(self, which: Numbers | Flags) -> Triangles:
         """Triangles of some indices, or where a mask is true."""
-        return Triangles(*(getattr(self, one.name)[which] for one in fields(self)))
+        return Triangles(
+            self.corners_m[which],
+            self.kind[which],
+            self.instance[which],
+            self.colour[which],
+            self.shows_imagery[which],
+            None if self.skin is None else self.skin.take(which),
+        )
 
     @classmethod
     def joined(cls, parts: Sequence[Triangles]) -> Triangles:
@@ -53,7 +64,14 @@ class Triangles:
         some = [part for part in parts if len(part)]
         if len(some) < 2:
             return some[0] if some else NO_TRIANGLES
-        return cls(*(np.concatenate([getattr(part, one.name) for part in some]) for one in fields(cls)))
+        return cls(
+            np.concatenate([part.corners_m for part in some]),
+            np.concatenate([part.kind for part in some]),
+            np.concatenate([part.instance for part in some]),
+            np.concatenate([part.colour for part in some]),
+            np.concatenate([part.shows_imagery for part in some]),
+            joined_skins([part.skin for part in some], [len(part) for part in some]),
+        )
 
 
 NO_TRIANGLES = Triangles(

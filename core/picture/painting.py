@@ -38,6 +38,7 @@ def sun_enu(plan: Plan, index: int) -> Floats:
 def paint(picture: PixelValues, painted: Painted, sun: Floats, bands: Bands) -> None:
     """Paint faces into a picture (height, width, bands): the shown bands in their colours, others in their grey."""
     light = AMBIENT + (1.0 - AMBIENT) * np.maximum(painted.normals @ sun, 0.0)
+    light[painted.is_lit] = 1.0
     colours = painted.colour * (light / 255.0 * float(full(bands.dtype)))[:, np.newaxis]
     values = np.repeat(colours.mean(axis=1, keepdims=True), len(bands), axis=1)
     if len(bands.shown) == colours.shape[1]:

@@ -151,15 +151,15 @@ def draw(forms: Floats, boxes: Numbers, nearness: Floats, triangle: Numbers) -> 
 
 
 @compiled
-def on_map(
+def interpolate(
     forms: Floats, which: Numbers, row: Numbers, column: Numbers, t: Floats, most_steps: Floats, found: Floats
 ) -> None:
-    """Fill the places of pixels (n,) on the map, and their steps along columns and rows.
+    """Fill two values at pixels (n,), such as places on a map or in a texture, and their steps along columns and rows.
 
     Parameters
     ----------
     forms : array (k, 3, 3)
-        Of each face, both fractions of the world times the third line, by constant, column and row.
+        Of each face, both values times the third line, by constant, column and row.
     which : array (n,)
         Face of each pixel.
     t : array (height, width)
@@ -167,7 +167,7 @@ def on_map(
     most_steps : array (2,)
         Greatest steps along columns and rows, for each unit of ``t``.
     found : array (6, n)
-        Both fractions, their steps along columns, and along rows.
+        Both values, their steps along columns, and along rows.
     """
     for one in range(len(which)):
         form = forms[which[one]]

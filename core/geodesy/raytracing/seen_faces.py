@@ -11,6 +11,7 @@ from ...external.compiling import uses_numba
 from ..ellipsoid import positions
 from ..local import enu_axes, geodetic
 from ..mercator import PixelGrid
+from ..skins import Skin
 from ..view import Samples, plane_samples
 from .faces import FaceHits
 from .surface import PixelRays
@@ -32,6 +33,8 @@ class Painted(NamedTuple):
         Without light.
     normals : array (k, 3)
         Unit vectors that face the camera, in its east, north and up.
+    is_lit : array (k,) of bool
+        Whether the colour is one in light, of a texture.
     """
 
     row: Numbers
@@ -39,6 +42,7 @@ class Painted(NamedTuple):
     which: Numbers
     colour: NDArray[np.uint8]
     normals: Floats
+    is_lit: Flags
 
 
 class SeenFaces(NamedTuple):
@@ -88,9 +92,32 @@ class SeenFaces(NamedTuple):
     def painted(self) -> Painted:
         """Pixels that see faces which the imagery does not show."""
         some = ~self.is_shown
-        faces, which = self._distinct(self.triangle[some])
+        row, column, triangle = self.row[some], self.column[some], self.triangle[some]
+        faces, which = self._distinct(triangle)
         normals = self.normals(faces) @ enu_axes(*self.place[:2]).T
-        return Painted(self.row[some], self.column[some], which, self.hits.triangles.colour[faces], normals)
+        colour, is_lit = self.hits.triangles.colour[faces], np.zeros(len(faces), np.bool_)
+        painted = Painted(row, column, which, colour, normals, is_lit)
+        skin = self.hits.triangles.skin
+        return painted if skin is None else self._textured(painted, triangle, skin)
+
+    def _textured(self, painted: Painted, triangle: Numbers, skin: Skin) -> Painted:
+        """Add a colour of its own for each pixel whose triangle has a texture."""
+        some = np.flatnonzero(skin.texture[triangle] >= 0)
+        if not len(some):
+            return painted
+        textured = triangle[some]
+        faces, which = self._distinct(textured)
+        corners = np.moveaxis(skin.places[faces], 2, 0)
+        found = self._interpolated(corners, faces, which, (painted.row[some], painted.column[some]), np.full(2, np.inf))
+        colours = skin.colours(textured, found, self.hits.triangles.colour[textured])
+        places = painted.which.copy()
+        places[some] = len(painted.colour) + np.arange(len(some))
+        return painted._replace(
+            which=places,
+            colour=np.concatenate([painted.colour, colours]),
+            normals=np.concatenate([painted.normals, painted.normals[painted.which[some]]]),
+            is_lit=np.append(painted.is_lit, np.ones(len(some), np.bool_)),
+        )
 
     def samples(self, grid: PixelGrid, zooms: tuple[int, int]) -> list[Samples]:
         """Samples of the pixels whose faces the imagery shows; positions count from the camera's meridian.
@@ -115,26 +142,47 @@ class SeenFaces(NamedTuple):
         lat, lon, _ = geodetic(self.hits.triangles.corners_m[faces])
         u, v = grid.plane.forward(lat, meridian + (lon - meridian + 180.0) % 360.0 - 180.0)
         corners = np.stack([u - float(grid.meridian_u(np.asarray(meridian))), v])
-        # Edge functions are for the edges from the first, second and third corner: weights of the one opposite.
-        weights = self.hits.forms[faces][:, [1, 2, 0]]
-        forms = np.stack([*np.einsum("afc,fcd->afd", corners, weights), weights.sum(axis=1)], axis=1)
         most = _MOST_STEP / float(grid.ground_m_per_px(np.array(self.place[0]), np.array(meridian), grid.native_zoom))
         most /= grid.world_px(grid.native_zoom)
         most_steps = np.array([most * float(np.linalg.norm(per)) for per in self.rays[1:3]])
+        return self._interpolated(corners, faces, which, (row, column), most_steps)
+
+    def _interpolated(
+        self, corners: Floats, faces: Numbers, which: Numbers, pixels: tuple[Numbers, Numbers], most_steps: Floats
+    ) -> Floats:
+        """Two values linear over triangles at pixels, and by how much they change along columns and rows; (6, n).
+
+        Parameters
+        ----------
+        corners : array (2, k, 3)
+            Values at the corners of triangles.
+        faces : array (k,)
+            Indices of the triangles.
+        which : array (n,)
+            Place of each pixel's triangle among them.
+        pixels : pair of arrays (n,)
+            Rows and columns.
+        most_steps : array (2,)
+            Greatest changes along columns and rows, for each unit of distance.
+        """
+        # Edge functions are for the edges from the first, second and third corner: weights of the one opposite.
+        weights = self.hits.forms[faces][:, [1, 2, 0]]
+        forms = np.stack([*np.einsum("afc,fcd->afd", corners, weights), weights.sum(axis=1)], axis=1)
+        row, column = pixels
         found = np.empty((6, len(row)))
         if uses_numba():
-            from .face_kernels import on_map
+            from .face_kernels import interpolate
 
-            on_map(forms, which, row, column, self.hits.t, most_steps, found)
+            interpolate(forms, which, row, column, self.hits.t, most_steps, found)
         else:
-            _on_map(forms, which, (row, column), self.hits.t[row, column], most_steps, found)
+            _interpolate(forms, which, pixels, self.hits.t[row, column], most_steps, found)
         return found
 
 
-def _on_map(
+def _interpolate(
     forms: Floats, which: Numbers, pixels: tuple[Numbers, Numbers], t: Floats, most_steps: Floats, found: Floats
 ) -> None:
-    """`face_kernels.on_map` in numpy."""
+    """`face_kernels.interpolate` in numpy."""
     y, x = (at + 0.5 for at in pixels)
     lines = [[np.take(forms[:, at, term], which) for term in range(3)] for at in range(3)]
     u, v, whole = (constant + x * per_x + y * per_y for constant, per_x, per_y in lines)
