@@ -11,7 +11,9 @@ import numpy as np
 from ..arrays import NDArray
 from ..dataset.dataset import open_image
 from ..dataset.folder import TRAIN
-from ..dataset.loading.batches import ALL, BYTES, FLOATS, Indices, check_size
+from ..dataset.label_images import read_label_image
+from ..dataset.loading.augment import resize_labels
+from ..dataset.loading.batches import ALL, BYTES, FLOATS, BatchLabels, Indices, check_size
 from ..dataset.loading.streaming import random_numbers
 from ..errors import InvalidInput
 from ..storage.stores import Address
@@ -24,7 +26,8 @@ class Pairs:
     """Pairs of a query and a tile that show the same ground, in the order of ``positives.csv``.
 
     `Batches`, `TorchDataset` and `KerasDataset` accept an instance in place of a dataset, and then return images of the
-    query and the tile, with labels ``iou`` and ``positive``.
+    query and the tile, with labels ``iou`` and ``positive``; with ``instances``, labels are a tuple of the instances
+    (b, height, width) of int64 of the queries' pixels, and these numbers.
 
     Parameters
     ----------
@@ -41,6 +44,8 @@ class Pairs:
         ``auto`` shuffles the training part only. Each epoch is shuffled differently.
     dtype : {"float32", "uint8"}
         Type of pixels, which are from 0 to 1 or from 0 to 255.
+    instances : bool
+        Whether to give the buildings that queries show: their numbers, 0 elsewhere, resized by the nearest rule.
 
     Attributes
     ----------
@@ -54,7 +59,7 @@ class Pairs:
     Raises
     ------
     InvalidInput
-        An unknown part, a part without pairs, or an invalid parameter.
+        An unknown part, a part without pairs, an invalid parameter, or instances of a benchmark without buildings.
     """
 
     columns = ("iou", "positive")
@@ -70,12 +75,16 @@ class Pairs:
         seed: int = 2024,
         shuffle: bool | str = "auto",
         dtype: str = FLOATS,
+        instances: bool = False,
     ) -> None:
         if dtype not in (FLOATS, BYTES):
             raise InvalidInput("dtype {0!r}: must be one of {1}", dtype, f"{FLOATS}, {BYTES}")
         if shuffle not in (True, False, "auto"):
             raise InvalidInput("shuffle {0!r}: must be True, False or 'auto'", shuffle)
         self.benchmark = benchmark if isinstance(benchmark, Benchmark) else Benchmark.read(Path(benchmark))
+        if instances and not self.benchmark.has_buildings:
+            raise InvalidInput("instances: the benchmark in {0} has no buildings", self.benchmark.folder)
+        self._with_instances = instances
         self.sizes = check_size(img_size), check_size(img_size if tile_size is None else tile_size)
         self.seed, self.shuffle = seed, part == TRAIN if isinstance(shuffle, str) else shuffle
         self.dtype, self.folder = np.dtype(dtype), self.benchmark.folder
@@ -100,8 +109,10 @@ class Pairs:
             return np.arange(len(self))
         return np.argsort(random_numbers(f"{self.seed}:{epoch}", len(self)), kind="stable")
 
-    def batch(self, indices: Indices, _epoch: int = 0) -> tuple[Images, NDArray[np.float32]]:
+    def batch(self, indices: Indices, _epoch: int = 0) -> tuple[Images, BatchLabels]:
         """Images (b, height, width, channels) of queries and of tiles, and labels (b, 2), of some pairs.
+
+        With instances, the labels are a tuple of these (b, height, width) and the labels (b, 2).
 
         Raises
         ------
@@ -114,9 +125,16 @@ class Pairs:
             self._pixels([files[row] for row in rows[at].tolist()], size)
             for files, rows, size in zip((queries.file, references.file), (self.query, self.reference), self.sizes)
         )
-        return (next(found), next(found)), self.values[at]
+        images = next(found), next(found)
+        return images, (self._instances(at), self.values[at]) if self._with_instances else self.values[at]
 
     take = batch
+
+    def _instances(self, indices: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Numbers (b, height, width) of the buildings that the pairs' queries show."""
+        width, height, _ = self.sizes[0]
+        files = (self.benchmark.instance_file(row) for row in self.query[indices].tolist())
+        return np.stack([resize_labels(read_label_image(file), height, width) for file in files])
 
     def _pixels(self, files: Sequence[str], size: tuple[int, int, int]) -> NDArray[Any]:
         width, height, channels = size

@@ -8260,6 +8260,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/benchmark/loading.py"/>
+        <source>instances: the benchmark in {0} has no buildings</source>
+        <translation>instancias: el banco de pruebas en {0} no tiene edificios</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/loading.py"/>
         <source>part {0!r}: the benchmark in {1} has no pairs of it</source>
         <translation>parte {0!r}: el banco de pruebas en {1} no tiene pares de ella</translation>
     </message>

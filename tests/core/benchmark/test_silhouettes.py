@@ -13,12 +13,14 @@ from PIL import Image, ImageDraw
 from pyproj import Geod, Transformer
 from terrainav.core.benchmark.answers import Answer, Predictions, visible_query
 from terrainav.core.benchmark.folder import Benchmark
+from terrainav.core.benchmark.loading import Pairs
 from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.page import write_scores
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark
 from terrainav.core.benchmark.running import method_named, run_method
 from terrainav.core.benchmark.scoring import score
 from terrainav.core.benchmark.silhouettes import Silhouettes
+from terrainav.core.dataset.loading import Batches
 from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.picture.heights import mission_heights
@@ -242,6 +244,34 @@ def test_the_folder_holds_the_model_and_the_masks(tilted, houses, tmp_path):
     assert "houses.geojson" in page.read_text()
     shown = json.loads((page.parent / "errors.geojson").read_text())["features"][0]["properties"]
     assert shown["mask_iou"] == float(rows[0]["mask_iou"])
+
+
+@pytest.mark.parametrize("loader", ["numpy", "torch"])
+def test_pairs_have_the_buildings_of_their_queries(tilted, loader):
+    plain, pairs = (Pairs(tilted, part="all", img_size=(60, 40, 3), instances=given) for given in (False, True))
+    if loader == "torch":
+        pytest.importorskip("torch")
+        from terrainav.core.dataset.loading.torch_loader import TorchDataset
+
+        batches = TorchDataset(pairs).batches(4)
+    else:
+        batches = Batches(pairs, 4)
+    shown = 0
+    for at, (_, (instances, values)) in enumerate(batches):
+        rows = range(4 * at, 4 * at + len(instances))
+        assert instances.shape == (len(rows), 40, 60)
+        assert str(instances.dtype).endswith("int64")
+        np.testing.assert_array_equal(np.asarray(values), plain.take(rows)[1])
+        for row, found in zip(rows, np.asarray(instances)):
+            image = Image.open(tilted.instance_file(pairs.query[row])).resize((60, 40), Image.NEAREST)
+            np.testing.assert_array_equal(found, np.asarray(image))
+            shown += len(np.unique(found)) - 1
+    assert shown > len(pairs)
+
+
+def test_pairs_of_other_benchmarks_have_no_buildings(benchmark):
+    with pytest.raises(InvalidInput, match=r"instances: the benchmark in .* has no buildings"):
+        Pairs(benchmark, part="all", instances=True)
 
 
 def test_a_folder_is_judged_where_the_model_that_it_was_made_of_is_gone(tilted, houses):

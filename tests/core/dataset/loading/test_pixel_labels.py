@@ -10,15 +10,19 @@ import shutil
 import numpy as np
 import pytest
 from PIL import Image
+from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.label_images import LabelImages
 from terrainav.core.dataset.loading import Batches, LabelledImages
 from terrainav.core.dataset.loading.augment import Augmentation, Change, apply_change, change_labels, resize_labels
 from terrainav.core.errors import InvalidInput
+from terrainav.core.imagery.opening import named_source, open_source
+from terrainav.core.mission.plan import plan
 
 from tests.support.command import command
 from tests.support.labelled import NAMES, STEP, labels_of, write_labelled
-from tests.support.shards import write_shards
+from tests.support.shards import MISSION, write_shards
 from tests.support.thinning import sampled
 
 BOTH = ("classes", "instances")
@@ -307,6 +311,23 @@ def test_shards_and_stores_give_the_same(tmp_path, targets, ending, files, wide)
         packed = write_shards(place, folder, 4)
         assert_same(plain(str(packed), 1, **choice), wanted)
         assert_same(plain(str(packed), 1, workers=2, **choice), wanted)
+
+
+@pytest.mark.parametrize("image_format", ["tif", "jpg"])
+def test_captures_as_files_and_in_shards_give_the_same(tmp_path, image_format):
+    corners = [[-89.8985, 35.1585], [-89.8955, 35.158], [-89.896, 35.1595], [-89.8985, 35.1585]]
+    field = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [corners]}}
+    (tmp_path / "fields.geojson").write_text(json.dumps(field))
+    mission = MISSION.replace(labels=(str(tmp_path / "fields.geojson"),), image_format=image_format)
+    planned, source = plan(mission, open_source("world").grid), named_source("world")
+    capture(planned, source, tmp_path / "files", blocks=Blocks(4))
+    capture(planned, source, tmp_path / "shards", blocks=Blocks(4, "webdataset"))
+    choice = {"part": "all", "targets": BOTH, "img_size": (40, 40, 3), "augment": Augmentation()}
+    files, shards = (LabelledImages(tmp_path / name, **choice) for name in ("files", "shards"))
+    assert files.names == shards.names
+    wanted = files.take(range(len(files)), 1)
+    assert {*np.unique(wanted[1][0])} == {0, 1, IGNORE}
+    assert_same([shards.take(range(len(shards)), 1)], [wanted])
 
 
 def test_objects_of_a_store_give_the_same(tmp_path, folder):
