@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import importlib.util
+import io
 import os
 import shutil
 import tarfile
 import tempfile
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from unittest import mock
 
 import numpy as np
 from hypothesis import strategies as st
+from PIL import Image
 from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.dataset.geotiff import parse_bands, parse_pam_bands
+from terrainav.core.dataset.label_images import read_label_image
 from terrainav.core.dataset.labels import Labels, make_labels
 from terrainav.core.dataset.stored import Range, StoredImage
 from terrainav.core.dataset.table import Table, other_columns
 from terrainav.core.imagery.catalogue import described, shelf
 from terrainav.core.imagery.decode import refuse_flat, refuse_marked
+from terrainav.core.labels.classes import read_classes
 from terrainav.core.mission.cameras import camera_shelf
 from terrainav.core.poses.logs import read_dataflash, read_ulog
 from terrainav.core.text.safe_json import parse_json
@@ -70,6 +75,11 @@ TABLE = text_of(
     )
 )
 LABELS = make_labels(np.array([35.1, 35.2]), np.array([-89.9, -89.8])).to_json()
+CLASSES = {
+    "background": 0,
+    "ignore": 255,
+    "classes": [{"id": 1, "name": "field", "color": "#e69f00"}, {"id": 254, "name": "wood", "color": "#009e73"}],
+}
 SOURCES = {
     "mine": described("https://tiles.example/{z}/{x}/{y}.png", title="Mine"),
     "dated": described("https://tiles.example/{date}/{map_type}/{z}/{x}/{y}.png?key={key}", default_date="2024"),
@@ -121,6 +131,27 @@ def labels(data: bytes) -> None:
     read = Labels.load(path)
     read.positions(read.transform(np.array([35.1]), np.array([-89.9])))
     assert Labels.from_json(read.to_json()) == read
+
+
+def classes(data: bytes) -> None:
+    read_classes(data, "classes.json")
+
+
+def label_image(data: bytes) -> None:
+    path = Path("a.png")
+    path.write_bytes(data)
+    with warnings.catch_warnings():
+        # Pillow warns of what it reads of a damaged file.
+        warnings.simplefilter("ignore")
+        read_label_image(path)
+
+
+def _label_images() -> Iterator[bytes]:
+    """PNG with 8 and 16 bits, and a TIFF with 32."""
+    for dtype, ending in ((np.uint8, "png"), (np.uint16, "png"), (np.int32, "tiff")):
+        buffer = io.BytesIO()
+        Image.fromarray(np.arange(12).reshape(3, 4).astype(dtype)).save(buffer, ending)
+        yield buffer.getvalue()
 
 
 def sources(data: bytes) -> None:
@@ -196,6 +227,8 @@ def targets() -> Iterator[Target]:
     yield Target("journal", journal, mutated(lines) | outcomes, (deep + b"\n",))
     yield Target("table", table, mutated(TABLE, TABLE[:200]), (b'a,"b\n' * 9,))
     yield Target("labels", labels, mutated(LABELS) | altered(parse_json(LABELS)).map(as_json), (deep,))
+    yield Target("classes.json", classes, mutated(as_json(CLASSES)) | altered(CLASSES).map(as_json), (deep,))
+    yield Target("image of labels", label_image, mutated(*_label_images()), (b"II*\0",))
     numbered = as_json(_NUMBERED)
     stated = mutated(as_json(SOURCES)) | altered(SOURCES).map(as_json)
     yield Target("sources.json", sources, stated, (deep, numbered), quick=60)
