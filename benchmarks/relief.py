@@ -45,7 +45,7 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.picture.camera_frame import parts_of_tiles
 from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.products import sighting
-from terrainav.core.picture.shot import draw, make_shot, picture_parts, wall_colours
+from terrainav.core.picture.shot import draw, make_shot, picture_parts
 
 ROOT = Path(__file__).resolve().parents[1]
 CAMERA, SIZE = Camera(78.8, 4.0 / 3.0), (640, 480)
@@ -211,9 +211,9 @@ def shot(source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: 
     mission = Mission(area, agl, CAMERA, source=source, elevation=elevation, tilt_deg=tilt, yaw_deg=yaw, upsample=True)
     opened = open_source(source)
     made = plan(mission, opened.grid, mission_heights(mission))
-    parts, walls = picture_parts(made, opened, 0), wall_colours(made, opened, "satellite")
+    parts = picture_parts(made, opened, 0)
     pixels = {part.window: opened.fetch("satellite", part.window) for part in parts}
-    picture = draw(make_shot(made, 0), parts, pixels, walls=walls).pixels[..., :3]
+    picture = draw(make_shot(made, 0), parts, pixels).pixels[..., :3]
     return picture, sighting(made, 0, made.frames.largest_px)
 
 
@@ -255,7 +255,6 @@ def whole_image(
     )
     opened = open_source("world")
     made = plan(mission, opened.grid, mission_heights(mission))
-    walls = wall_colours(made, opened, "satellite")
     # The largest tiles are of 512 px.
     texture = np.random.default_rng(1).integers(64, 192, (64, 64, 3), np.uint8).repeat(8, axis=0).repeat(8, axis=1)
     drawn: dict[tuple[int, int], np.ndarray] = {}
@@ -269,7 +268,7 @@ def whole_image(
         for height, width in set(sizes.values()) - drawn.keys():
             drawn[height, width] = np.ascontiguousarray(texture[:height, :width])
         pixels = {one: drawn[size] for one, size in sizes.items()}
-        picture = draw(found, parts, pixels, walls=walls).pixels[..., :3]
+        picture = draw(found, parts, pixels).pixels[..., :3]
         Image.fromarray(picture).save(BytesIO(), "JPEG", quality=JPEG_QUALITY)
 
     return work

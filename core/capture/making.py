@@ -290,7 +290,7 @@ class ImageMaker:
     def _trace(self, job: PictureJob) -> list[Part]:
         """Trace the rays of an image over relief, once, and find its parts."""
         shot = cast(Shot, job.shot)
-        shot.trace(with_steep=job.walls is not None, with_sighting=job.products is not None)
+        shot.trace(with_sighting=job.products is not None)
         return self.parts.find_traced(shot)
 
     def _find_last_users(self, order: list[int], orders: Orders) -> Callable[[Window], int] | None:

@@ -24,7 +24,7 @@ from ..mission.parts import CLASSES, INTERPOLATE, LABELLED
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures, plan_optics
-from ..picture.shot import MapShot, Shot, Walls, draw, make_shot, wall_colours
+from ..picture.shot import MapShot, Shot, draw, make_shot
 from ..storage.files import write_whole
 from .georeference import ControlPoints, Georeference
 from .journal import FAILED, Outcome
@@ -54,8 +54,6 @@ class PictureJob:
         Values displayed darkest and brightest, for each band.
     products : (Plan, Path) or None
         Plan from which products are computed, and the folder that holds one subfolder for each product.
-    walls : callable or None
-        Colours of walls, in the form that `draw` takes.
     write : callable
         Writes a file.
     labels : LabelMap or None
@@ -73,7 +71,6 @@ class PictureJob:
     bands: Bands = RGB
     ranges: tuple[Range, ...] = ()
     products: tuple[Plan, Path] | None = None
-    walls: Walls | None = None
     write: Write = write_whole
     labels: LabelMap | None = None
 
@@ -92,7 +89,7 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     OutputError
         The image cannot be written.
     """
-    picture, sky, unmapped, facades = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands, walls=job.walls)
+    picture, sky, unmapped, facades = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands)
     picture = resized(picture, job.img_size, job.bands)
     description = job.description
     if isinstance(job.shot, Shot):
@@ -201,7 +198,6 @@ def image_job(
         source_bands(source),
         source_ranges(source),
         None if products_in is None else (plan, products_in),
-        wall_colours(plan, source, map_type),
         write,
         labels,
     )

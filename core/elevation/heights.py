@@ -16,7 +16,9 @@ import numpy as np
 
 from ..arrays import Floats, NDArray
 from ..errors import InvalidInput, Message, OptionName
+from ..geodesy.local import enu_axes, geodetic
 from ..geodesy.mercator import PixelGrid
+from ..geodesy.triangles import NO_FACES, FaceModel, Triangles
 from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import NAMED, NamedSource, SourceOptions, named_source, source_kind, whole_path
 from ..imagery.source import Source, Window, tile_parts
@@ -77,6 +79,10 @@ class Layer(Protocol):
     def grid(self) -> PixelGrid:
         """Pixel grid; heights are at pixel centres."""
 
+    @property
+    def faces(self) -> FaceModel:
+        """Buildings of the source, which the heights leave out."""
+
     def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
         """Read heights (height_px, width_px) in metres, NaN if missing."""
 
@@ -86,6 +92,7 @@ class ConstantHeight:
 
     attribution = ""
     grid = PixelGrid(max_zoom=30, native_zoom=30)
+    faces = NO_FACES
 
     def __init__(self, height_m: float) -> None:
         self.height_m = height_m
@@ -111,6 +118,8 @@ class TiledHeights:
         Heights in a band are value * scale + offset.
     says_void : bool
         Whether the source declares a no-data value, so that -9999 may be a value of a scaled band.
+    faces : FaceModel
+        Buildings of the source, on heights as it states them.
     """
 
     def __init__(
@@ -123,10 +132,14 @@ class TiledHeights:
         offset: float = 0.0,
         *,
         says_void: bool = True,
+        faces: FaceModel = NO_FACES,
     ) -> None:
         self._source, self._decoded, self._datum, self._offset_m = source, decoded, datum, offset_m
         self._scale, self._offset, self._says_void = scale, offset, says_void
         self.title, self.attribution, self.grid = source.title, source.attribution, source.grid
+        self.faces = (
+            _RaisedFaces(faces, datum, offset_m) if faces is not NO_FACES and (datum.code or offset_m) else faces
+        )
         self._kept: OrderedDict[Window, Heights32] = OrderedDict()
         self._kept_bytes = 0
         self._lock = threading.Lock()
@@ -237,6 +250,47 @@ class TiledHeights:
         return self.grid.plane.inverse((tile.left_px + column + 0.5) / world, (tile.top_px + row + 0.5) / world)
 
 
+@dataclass(frozen=True)
+class _RaisedFaces:
+    """Faces above a datum, raised by metres: a `FaceModel`."""
+
+    faces: FaceModel
+    datum: Datum
+    offset_m: float
+
+    @property
+    def title(self) -> str:
+        """Name for users."""
+        return self.faces.title
+
+    @property
+    def attribution(self) -> str:
+        """Credit for the faces."""
+        return self.faces.attribution
+
+    @property
+    def count(self) -> int:
+        """Greatest number of a building."""
+        return self.faces.count
+
+    @property
+    def listed(self) -> int:
+        """Greatest number of a building in a file."""
+        return self.faces.listed
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings of the faces."""
+        return self.faces.warnings
+
+    def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
+        """Triangles of the faces, raised along the ellipsoid's normals; see `FaceModel`."""
+        found = self.faces.triangles(lat_deg, lon_deg, least_m)
+        lat, lon, _ = geodetic(found.corners_m)
+        up_m = self.offset_m + (self.datum.heights_m(lat, lon) if self.datum.code else np.zeros_like(lat))
+        return replace(found, corners_m=found.corners_m + enu_axes(lat, lon)[..., 2, :] * up_m[..., np.newaxis])
+
+
 def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     """Open the source of heights that a text names.
 
@@ -272,9 +326,10 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     if text.lower() == "world":
         # Import by name, as this room must not import the embedded world.
         module = __import__(resolve_name("..world.source", __package__ or ""), fromlist=["*"])
-        return TiledHeights(
-            module.WorldHeights(source_options.seed, options.source.crs), None, datum or Datum(), options.offset_m
-        )
+        world = module.WorldHeights(source_options.seed, options.source.crs)
+        # Its heights are metres, whatever those of files are.
+        datum = Datum(datum.code if datum else "")
+        return TiledHeights(world, None, datum, options.offset_m, faces=world.faces)
     encoding, colon, inner = text.partition(":")
     if text in _shipped():
         entry = CatalogueEntry.from_dict(text, _shipped()[text])

@@ -11,6 +11,7 @@ from ..arrays import Floats, NDArray
 from ..geodesy.ellipsoid import sight_lines
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.raytracing.surface import Surface
+from ..geodesy.triangles import FaceModel
 from .filling import REACH_PX, interpolated
 from .heights import ConstantHeight, HeightOptions, Heights32, Layer, open_heights
 
@@ -46,6 +47,11 @@ class LayeredElevation:
     def attribution(self) -> str:
         """Credit for the heights."""
         return "; ".join(dict.fromkeys(layer.attribution for layer in self.layers if layer.attribution))
+
+    @property
+    def faces(self) -> FaceModel:
+        """Buildings of the first source: on others they would not meet the ground where it fills no hole."""
+        return self.layers[0].faces
 
     def cell_m(self, lat_deg: float, lon_deg: float) -> float:
         """Size of the first source's pixels at a place, metres."""

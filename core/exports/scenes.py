@@ -18,6 +18,8 @@ from ..geodesy.raytracing.surface import Surface
 from ..geodesy.raytracing.tracing import ElevationModel, Tracing
 from ..geodesy.view import ImageRays
 from ..mission.mission import Mission
+from ..mission.relief.ground import Heights
+from ..mission.relief.roofed import seen_surface
 from ..picture.heights import mission_heights
 from ..picture.resampling import sample
 from .views import camera_rotations
@@ -72,12 +74,17 @@ class SceneGround:
     Parameters
     ----------
     benchmark : Benchmark
-    relief : ElevationModel or None
-        Surface that cameras see; None for level ground.
+    heights : Heights or None
+        Surface and buildings that cameras see; None for level ground.
     """
 
     benchmark: Benchmark
-    relief: ElevationModel | None
+    heights: Heights | None
+
+    @property
+    def relief(self) -> ElevationModel | None:
+        """Surface with buildings that shows from above; None for level ground."""
+        return None if self.heights is None else seen_surface(self.heights)
 
     @classmethod
     def from_benchmark(cls, benchmark: Benchmark) -> SceneGround:
@@ -91,8 +98,7 @@ class SceneGround:
         asked = benchmark.about.get("queries")
         if not isinstance(asked, dict):
             raise InvalidInput("benchmark {0}: does not say how its queries were taken", benchmark.folder)
-        heights = mission_heights(Mission.from_dict(asked))
-        return cls(benchmark, None if heights is None else heights.surface)
+        return cls(benchmark, mission_heights(Mission.from_dict(asked)))
 
     @cached_property
     def mosaic(self) -> Bytes:
@@ -132,12 +138,12 @@ class SceneGround:
         pose, up_m = queries.poses.take(slice(index, index + 1)), float(queries.height_m[index])
         pose = pose._replace(agl_m=np.array([up_m - self.lowest_m]))
         scene = ImageGeometry(queries.camera(index), width, height, pose, WGS84.raised(self.lowest_m))
-        if self.relief is None:
+        if self.heights is None:
             seen = ImageRays.from_scene(scene).ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
             lat, lon = seen.lat_deg, pose.lon_deg[0] + seen.dlon_deg
             return _finite(frame.enu(lat, lon, np.full(lat.shape, self.lowest_m)))
         # Trace to a hundredth of a pixel.
-        found = Tracing(scene, up_m, self.relief, self.lowest_m, 0.01).sighting
+        found = Tracing(scene, up_m, self.heights.surface, self.lowest_m, 0.01, self.heights.faces).sighting
         return _finite(frame.enu(found.lat_deg, found.lon_deg, found.height_m))
 
     def ortho(self, frame: LocalFrame, grid: OrthoGrid) -> Ortho:

@@ -148,6 +148,11 @@ class FootprintBuildings:
         self._counted: set[tuple[int, int]] = set()
         self._lock = threading.Lock()
 
+    @property
+    def listed(self) -> int:
+        """Greatest number of a building: all are in the file."""
+        return self.count
+
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
         """Triangles of the buildings whose boxes meet the bounding box of positions, but for small ones."""
         west, east = float(np.min(lon_deg)), float(np.max(lon_deg))

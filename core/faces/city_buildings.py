@@ -81,7 +81,7 @@ class CityBuildings:
     ) -> None:
         self.options = options or BuildingOptions()
         self.title, self.attribution = model.title, ""
-        self.model, self.count = model, model.counts.buildings
+        self.model, self.count, self.listed = model, model.counts.buildings, model.counts.buildings
         self.counts = PlacingCounts()
         self._ground = ground
         self._lat_deg, self._lon_deg = _places(model)

@@ -43,6 +43,11 @@ class _JoinedFaces:
         return self.before[-1] + self.models[-1].count
 
     @property
+    def listed(self) -> int:
+        """Numbers of buildings in files."""
+        return self.before[-1] + self.models[-1].listed
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of all models."""
         return tuple(warning for model in self.models for warning in model.warnings)
@@ -57,7 +62,8 @@ class _JoinedFaces:
 
 
 def joined_faces(models: Sequence[FaceModel]) -> FaceModel:
-    """Models as one."""
+    """Models as one; only the last may have numbers that are not listed."""
+    models = [model for model in models if model is not NO_FACES]
     if not models:
         return NO_FACES
     if len(models) == 1:

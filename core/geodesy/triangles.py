@@ -102,6 +102,10 @@ class FaceModel(Protocol):
     def warnings(self) -> tuple[str, ...]:
         """What was repaired, replaced or left out so far, for users."""
 
+    @property
+    def listed(self) -> int:
+        """Numbers up to this are those of buildings in a file, one each; greater ones are too many to list."""
+
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
         """Triangles of all buildings that reach into the bounding box of positions; longitudes are continuous.
 
@@ -117,6 +121,7 @@ class _NoFaces:
     attribution: str = ""
     count: int = 0
     warnings: tuple[str, ...] = ()
+    listed: int = 0
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:  # noqa: ARG002
         """No triangles."""

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..arrays import Floats, NDArray, PixelValues
+from ..arrays import NDArray, PixelValues
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
 
@@ -86,23 +86,6 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Release all resources; running requests end at once and raise Cancelled."""
-
-
-class Walled(Protocol):
-    """A source of imagery and heights that also has colours of walls, which maps do not show."""
-
-    def walls(
-        self, map_type: str, lat_deg: Floats, lon_deg: Floats, east: Floats, north: Floats
-    ) -> NDArray[np.float32]:
-        """Colours of the walls below roofs, (n, 3); NaN without walls.
-
-        Parameters
-        ----------
-        lat_deg, lon_deg : array (n,)
-            Positions on roofs, directly above the walls.
-        east, north : array (n,)
-            Components of the unit vector that points away from the wall.
-        """
 
 
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:

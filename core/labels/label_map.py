@@ -105,9 +105,9 @@ class LabelMap:
         Field by which the features of a layer lie on top, the greatest last; empty for the layer's order.
     line_width_m, point_radius_m : float
         Width of lines and radius of points, on the ground.
-    buildings : int or None
-        Greatest number of a building, as in `FaceModel`; None for a mission without buildings. Their walls and roofs
-        are classes.
+    buildings : tuple of int or None
+        Greatest number of a building, and of those that are listed, as in `FaceModel`; None for a mission without
+        buildings. Their walls and roofs are classes.
 
     Raises
     ------
@@ -122,10 +122,10 @@ class LabelMap:
         line_width_m: float = 3.0,
         point_radius_m: float = 3.0,
         *,
-        buildings: int | None = None,
+        buildings: tuple[int, int] | None = None,
     ) -> None:
         self.layers, self.with_buildings = tuple(layers), buildings is not None
-        self._buildings = buildings or 0
+        self._buildings, self._listed = buildings or (0, 0)
         self._order_field, self._sizes = order_field, (line_width_m, point_radius_m)
         self.classes: ClassTable = class_table([one.values for one in layers], with_buildings=self.with_buildings)
         ends = np.cumsum([0, *(one.source.count for one in layers)])
@@ -188,14 +188,15 @@ class LabelMap:
     def instance_rows(self) -> Iterator[tuple[int, int, str, int]]:
         """Yield instance id, class id, layer and feature of all features, in order of the ids; then of buildings.
 
-        Buildings have the class of their walls, and numbers instead of features.
+        Buildings have the class of their walls, and numbers instead of features. The synthetic world's own houses
+        follow after all of these, and are too many to list.
         """
         for number, layer in enumerate(self.layers):
             ids = self._class_of_features(number, layer)
             for feature, class_id in enumerate(ids.tolist(), 1):
                 if class_id >= 0:
                     yield self.offsets[number] + feature, class_id, layer.name, feature
-        for building in range(1, self._buildings + 1):
+        for building in range(1, self._listed + 1):
             yield self.offsets[-1] + building, self.classes.wall, BUILDINGS, building
 
     def _class_of_features(self, number: int, layer: LabelLayer) -> Numbers:

@@ -115,7 +115,7 @@ class Mission:
         """Set the parts, each of which is valid, after checking that they go together."""
         check_ground(parts["area"])
         asked = sorted(set(LABELLED) & set(parts["output"].products))
-        if asked and not (parts["labels"].labels or parts["terrain"].buildings):
+        if asked and not (parts["labels"].labels or parts["terrain"].has_buildings):
             raise InvalidInput(
                 "product {0}: needs labels or buildings",
                 asked[0],

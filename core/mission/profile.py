@@ -16,6 +16,7 @@ from .flight.legs import legs
 from .flight.path import LANDING, TAKEOFF, FlightPath
 from .plan import Plan
 from .relief.ground import PathGround, Profile
+from .relief.roofed import planned_surface
 
 #: Kind of a point between two points of the path.
 BETWEEN = -1
@@ -241,7 +242,7 @@ def _sortie_points(
             np.where((share > 0.0) & (share < 1.0), BETWEEN, path.kind[point]).astype(np.int8),
             images[point],
             path.sortie[point],
-            has_surface=heights.surface is not heights.ground,
+            has_surface=planned_surface(heights) is not heights.ground,
             is_level=False,
         )
 

@@ -33,6 +33,7 @@ from ..mission.estimate import ORTHOMOSAIC_DEG
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.relief.ground import Heights
+from ..mission.relief.roofed import seen_surface
 from ..numbers import real_number
 from ..picture.heights import mission_heights
 from ..storage.files import open_foreign, read_limited
@@ -127,7 +128,7 @@ class CameraImages:
             plan.mission.camera,
             poses,
             plan.ground if plan.relief.is_level else WGS84,
-            None if plan.relief.is_level else plan.relief.heights.surface,
+            None if plan.relief.is_level else seen_surface(plan.relief.heights),
             (path,),
             np.array([size[:2]]),
             plan.grid.plane,
@@ -524,7 +525,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     if heights is not None:
         # Captures over level relief have no heights in the table.
         height = table.height_m[rows]
-        relief, ground = heights.surface, WGS84
+        relief, ground = seen_surface(heights), WGS84
         if np.isnan(height).any():
             below = heights.ground.surface(lat[:1], lon[:1])
             relief = None

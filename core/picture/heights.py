@@ -8,7 +8,7 @@ from ..elevation.heights import HeightOptions, whole_heights_path
 from ..elevation.layered import LayeredElevation, open_relief
 from ..errors import InvalidInput, Message, TerrAInavError
 from ..geodesy.joined_faces import joined_faces
-from ..geodesy.triangles import NO_FACES, FaceModel
+from ..geodesy.triangles import FaceModel
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
 from ..mission.parts import INTERPOLATE, Terrain
@@ -62,13 +62,13 @@ def terrain_heights(terrain: Terrain, asked: SourceOptions) -> Heights | None:
     if terrain.surface:
         seen = _opened("surface", terrain.surface, wanted)
         surface = LayeredElevation((*seen.layers, *ground.layers), interpolates)
-    return Heights(ground, surface, _open_buildings(terrain, ground, asked.seed))
+    return Heights(ground, surface, joined_faces([*_open_buildings(terrain, ground, asked.seed), surface.faces]))
 
 
-def _open_buildings(terrain: Terrain, ground: LayeredElevation, seed: int) -> FaceModel:
+def _open_buildings(terrain: Terrain, ground: LayeredElevation, seed: int) -> list[FaceModel]:
     """Open the buildings of a terrain; errors name the field."""
     if not terrain.buildings:
-        return NO_FACES
+        return []
     # Imported here, as only missions with buildings need vector files.
     from ..faces.buildings import BuildingOptions, FootprintBuildings
     from ..faces.opening import open_buildings
@@ -93,7 +93,7 @@ def _open_buildings(terrain: Terrain, ground: LayeredElevation, seed: int) -> Fa
         raise InvalidInput(
             "field {0!r} of heights: no file of buildings has it, but {1}", named, known, field="building_height_field"
         )
-    return joined_faces(models)
+    return models
 
 
 def _opened(

@@ -32,7 +32,7 @@ def plan_labels(plan: Plan, labels: PixelLabels | None = None) -> LabelMap:
     """
     wanted = labels or plan.mission.labels
     faces = NO_FACES if plan.relief.is_level else plan.relief.heights.faces
-    buildings = None if faces is NO_FACES else faces.count
+    buildings = None if faces is NO_FACES else (faces.count, faces.listed)
     with _OPENING:
         return _opened(wanted, buildings, tuple(map(_state, wanted.labels)))
 
@@ -44,7 +44,7 @@ def whole_layer_path(text: str) -> str:
 
 
 @lru_cache(maxsize=2)
-def _opened(labels: PixelLabels, buildings: int | None, _states: tuple[object, ...]) -> LabelMap:
+def _opened(labels: PixelLabels, buildings: tuple[int, int] | None, _states: tuple[object, ...]) -> LabelMap:
     """Open layers; blocks of one process share them while their files are unchanged."""
     return LabelMap(
         [_layer(text) for text in labels.labels],

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, NamedTuple, cast
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..arrays import NDArray, PixelValues
-from ..bands import RGB, Bands, fitted, full
+from ..arrays import PixelValues
+from ..bands import RGB, Bands, full
 from ..geodesy.view import View
-from ..imagery.source import Part, Source, Walled, Window
+from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
 from .camera_frame import parts_of_tiles, render
 from .map_frame import assemble, capture_window, turned
@@ -20,10 +20,7 @@ from .painting import paint, sun_enu
 
 if TYPE_CHECKING:
     from ..geodesy.raytracing.seen_faces import Painted
-    from ..geodesy.raytracing.tracing import Sighting, SteepPixels, Tracing
-
-#: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
-Walls = Callable[..., NDArray[np.float32]]
+    from ..geodesy.raytracing.tracing import Sighting, Tracing
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +42,6 @@ class Shot:
         return views.view(self.index) if tracing is None else views.traced_view(tracing)
 
     @cached_property
-    def steep_pixels(self) -> SteepPixels | None:
-        """Pixels that see steep faces; None over level ground."""
-        return None if self._tracing is None else self._tracing.steep_pixels()
-
-    @cached_property
     def painted(self) -> Painted | None:
         """Pixels that see faces of buildings which the imagery does not show; None if none does."""
         return None if self._tracing is None else self._tracing.painted()
@@ -59,11 +51,9 @@ class Shot:
         """Ground at the pixels, over relief; None over level ground."""
         return None if self._tracing is None else self._tracing.sighting
 
-    def trace(self, *, with_steep: bool, with_sighting: bool) -> None:
+    def trace(self, *, with_sighting: bool) -> None:
         """Trace the rays, and keep only what the picture needs of them: they take many times its memory."""
         _ = self.view, self.painted
-        if with_steep and self.view.facade_share:
-            _ = self.steep_pixels
         if with_sighting:
             _ = self.sighting
         self.__dict__.pop("_tracing", None)
@@ -114,15 +104,6 @@ def picture_parts(plan: Plan, source: Source, index: int) -> list[Part]:
     return parts_of_tiles(plan.grid, Shot(plan, index).tiles)
 
 
-def wall_colours(plan: Plan, source: Source, map_type: str) -> Walls | None:
-    """Function for the colours of walls, if the source also has the heights that cameras see, else None."""
-    terrain = plan.mission.terrain
-    seen = next(iter((*terrain.surface, *terrain.elevation)), "")
-    if seen.lower() != source.name or not hasattr(source, "walls"):
-        return None
-    return partial(cast(Walled, source).walls, map_type)
-
-
 def draw(
     shot: MapShot | Shot,
     parts: Sequence[Part],
@@ -130,7 +111,6 @@ def draw(
     *,
     masked: bool = False,
     bands: Bands = RGB,
-    walls: Walls | None = None,
 ) -> Picture:
     """Draw a picture from its parts.
 
@@ -144,8 +124,6 @@ def draw(
         Add a mask to a camera frame, 0 where the picture shows nothing.
     bands : Bands
         Bands of the source.
-    walls : callable or None
-        From `wall_colours`.
 
     Raises
     ------
@@ -156,11 +134,6 @@ def draw(
         return Picture(turned(assemble(shot.window, parts, pixels, bands), shot.quarter_turns))
     view = shot.view
     picture = render(view, shot.lon_deg, parts, pixels, shot.kernel, bands)
-    if walls is not None and view.facade_share and shot.steep_pixels is not None:
-        row, column, *faces = shot.steep_pixels
-        colours = walls(*faces)
-        is_known = np.isfinite(colours).all(axis=1)
-        picture[row[is_known], column[is_known]] = fitted(colours[is_known], picture.dtype)
     if shot.painted is not None:
         paint(picture, shot.painted, sun_enu(shot.plan, shot.index), bands)
     if masked:

@@ -17,6 +17,7 @@ from ..geodesy.frames import in_image, map_frame_edges, plane_runs, quarter_turn
 from ..geodesy.mercator import MERCATOR, Plane, wrap_lon_deg
 from ..geodesy.view import Cells, ImageRays, mesh
 from ..mission.plan import Plan
+from ..mission.relief.roofed import seen_surface
 
 #: Images whose pixels are compared.
 _IMAGES = 3
@@ -178,7 +179,7 @@ def _level_on_relief(plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Float
     height = np.full(len(x_px), np.nan)
     if not plan.relief.is_level and seen.hit.any():
         lat, lon = seen.lat_deg[seen.hit], lon_deg + seen.dlon_deg[seen.hit]
-        surface = plan.relief.heights.surface.surface(lat, lon, 0.0)
+        surface = seen_surface(plan.relief.heights).surface(lat, lon, 0.0)
         height[seen.hit] = surface.heights(*surface.position(lat, lon))
     return seen.lat_deg, seen.dlon_deg, height
 

@@ -9,8 +9,8 @@ parcels    the pieces of land under samples, and distances to their edges
 paint      blending of colours
 scene      coverage by water, woods, motorways and parcels, shared by all styles
 objects    buildings and trees
+heights    heights of the ground, and of the surface with trees
 houses     houses as faces with walls and roofs
-heights    heights of the ground, and of the surface with buildings and trees
 styles     the pictures: satellite, roadmap, terrain
 ice        polar ice, with rock, crevasses and drifts
 caps       the pictures about the poles: ice over the landscape

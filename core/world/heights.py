@@ -1,4 +1,4 @@
-"""Heights of the ground, and of the surface with buildings and trees, as the pictures show them."""
+"""Heights of the ground, and of the surface with trees, as the pictures show them; for buildings, see `houses`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 
 from . import climate, objects
 from .lattice import WORLD_M, Array, chart_pole
-from .objects import footprints
 from .paint import Canvas
 from .region import smoothstep
 from .scene import PARCEL_ZOOM, Scene
@@ -32,7 +31,7 @@ def ground_m(scene: Scene) -> Array:
 
 
 def surface_m(scene: Scene) -> Array:
-    """Heights of the ground with buildings and trees, metres; of the samples' shape."""
+    """Heights of the ground with trees, metres; of the samples' shape."""
     ground = ground_m(scene)
     zoom, samples = scene.samples.zoom, scene.samples
     if zoom < PARCEL_ZOOM:
@@ -42,10 +41,6 @@ def surface_m(scene: Scene) -> Array:
     if woods is not None and zoom < objects.FIRST_ZOOM:
         # Mean height of a wood, before single crowns are drawn.
         above.blend(woods, [6.0])
-    prints = footprints(scene.parcels)
-    if prints is not None:
-        at, near = prints.nearby(0.0)
-        above.touch(at, (near.cover(), [near.rises_m() + np.float32(objects.EAVES_M)]))
     if zoom >= objects.FIRST_ZOOM:
         for cells, crowns in objects.plant(scene):
             objects.raise_crowns(above, cells, crowns, scene.pixel_m)

@@ -4,32 +4,46 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Floats, Numbers
-from ..geodesy.local import geocentric
-from ..geodesy.mercator import MERCATOR
+from ..geodesy.local import enu_axes, geocentric
+from ..geodesy.mercator import MAX_LAT_DEG, MERCATOR
 from ..geodesy.triangles import NO_TRIANGLES, ROOF, SKIRT_M, WALL, Triangles
 from .division import ROOT, ROOT_M, wall_colours, whole_division
 from .heights import ground_m
-from .lattice import WORLD_M, Array, LatticeWindow, chart_pole
+from .lattice import WORLD_M, Array, LatticeWindow
 from .objects import EAVES_M, GABLE_RISE
-from .region import BLOCK_ZOOM
+from .region import Region
 from .samples import group_points
 from .scene import Scene
 
 #: Positions, in chart metres, are found to this: float32 fields have a quarter of a millimetre.
 _CLOSE_M = 1e-3
-#: Houses of root squares in memory; a town has some thousand in each.
-_KEPT = 64
-#: Corners of the walls, (4, 2), and the quadrilaterals between them, from the north-west counter-clockwise.
+_MOST_STEPS = 50
+#: Zoom of the tiles, of 10 km, in which the bent plane is evaluated.
+_WARP_ZOOM = 12
+#: Greatest height and width of houses, and least height of walls above the ground, in the chart's metres.
+_HIGHEST_M, _WIDEST_M, _LEAST_WALL_M = 10.0, 100.0, 2.0
+#: Root squares whose houses are in memory; a town has some thousand in each.
+_KEPT = 128
+#: Corners of the walls, (4, 2), as shares of the sides, from the north-west counter-clockwise.
 _CORNERS = np.array([(0, 0), (0, 1), (1, 1), (1, 0)])
+#: Faces by corners: of the walls 0 to 3, at the eaves, with 6 to 9 below them, and of the ridge from 4 to 5.
+_SIDES = [side for k in range(4) for side in ((k, 6 + k, 6 + (k + 1) % 4), (k, 6 + (k + 1) % 4, (k + 1) % 4))]
+#: Shapes: flat, gabled from west to east, and gabled from north to south: walls with gable ends, and roofs.
+_SHAPES: tuple[tuple[list[tuple[int, int, int]], list[tuple[int, int, int]]], ...] = (
+    (_SIDES, [(0, 1, 2), (0, 2, 3)]),
+    ([*_SIDES, (0, 1, 4), (2, 3, 5)], [(1, 2, 5), (1, 5, 4), (3, 0, 4), (3, 4, 5)]),
+    ([*_SIDES, (3, 0, 4), (1, 2, 5)], [(0, 1, 5), (0, 5, 4), (2, 3, 4), (2, 4, 5)]),
+)
 
 
 @dataclass(frozen=True)
 class WorldHouses:
-    """The houses of the embedded world, a `FaceModel`.
+    """The houses of the embedded world on the map, a `FaceModel`; charts about the poles have none.
 
     Parameters
     ----------
@@ -41,152 +55,213 @@ class WorldHouses:
 
     title = "Synthetic (offline)"
     attribution = "Synthetic landscape, TerrAInav"
-    #: Numbers are of 29 bits, see `_houses`.
-    count = 1 << 29
     warnings = ()
+    #: Numbers are of 29 bits, see `_Houses`; most of them are of no house.
+    count, listed = 1 << 29, 0
 
     def triangles(self, lat_deg: Floats, lon_deg: Floats, least_m: float = 0.0) -> Triangles:
-        """Triangles of the houses that reach into the bounding box of positions; see `FaceModel`."""
-        # Halls are at most 90 m long.
-        if chart_pole(self.landscape) or least_m > 90.0:
+        """Triangles of the houses that reach into the bounding box of positions; see `FaceModel`.
+
+        Houses less high than twice ``least_m``, a pixel, are left out also where they are wider, as heights of the
+        relief are without such detail; the imagery shows their roofs.
+        """
+        lat = np.clip(np.asarray(lat_deg, np.float64), -MAX_LAT_DEG, MAX_LAT_DEG)
+        if 2.0 * least_m >= _HIGHEST_M * np.cos(np.radians(np.abs(lat).min())):
             return NO_TRIANGLES
-        u, v = MERCATOR.forward(np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64))
-        west, east, north, south = (float(end) for end in (u.min(), u.max(), v.min(), v.max()))
-        parts = []
-        for i, j in _root_squares(self.landscape, west, east, north, south):
-            houses = _houses(self.landscape, i, j)
-            turn = np.round((west + east) / 2.0 - houses.u.mean(axis=1)) if len(houses.u) else np.zeros(0)
-            at_u = houses.u + turn[:, np.newaxis]
-            near = (at_u.max(axis=1) >= west) & (at_u.min(axis=1) <= east)
-            near &= (houses.v.max(axis=1) >= north) & (houses.v.min(axis=1) <= south)
-            parts.append(houses.faces.take(near[houses.of_face]))
+        u, v = MERCATOR.forward(lat, np.asarray(lon_deg, np.float64))
+        box = _Box(*(float(end) for end in (u.min(), v.min(), u.max(), v.max())))
+        (i0, i1), (j0, j1) = bent = _bent_box(self.landscape, box)
+        columns = 1 << ROOT
+        squares = [
+            (i, j)
+            for j in range(max(int(j0 // ROOT_M), 0), min(int(j1 // ROOT_M), columns - 1) + 1)
+            for i in range(int(i0 // ROOT_M), int(i1 // ROOT_M) + 1)
+        ]
+        parts = [
+            _houses(self.landscape, i % columns, j).triangles(
+                tuple((low - k * ROOT_M, high - k * ROOT_M) for (low, high), k in zip(bent, (i, j))), box, least_m
+            )
+            for i, j in squares
+        ]
         return Triangles.joined(parts)
 
 
-@dataclass(frozen=True)
+class _Box(NamedTuple):
+    """Box of world fractions; columns are continuous."""
+
+    west: float
+    north: float
+    east: float
+    south: float
+
+
 class _Houses:
-    """Houses (n,) of a root square: world fractions (n, 4) of their corners, faces, and the house of each face."""
+    """Houses (n,) of a root square; where they stand is found when they are first asked for."""
 
-    u: Floats
-    v: Floats
-    faces: Triangles
-    of_face: Numbers
+    def __init__(self, landscape: int, i: int, j: int) -> None:
+        self._landscape, self._corner_m = landscape, (i * ROOT_M, j * ROOT_M)
+        division = whole_division(landscape, LatticeWindow(ROOT, i, j, 1, 1))
+        buildings, number = division.looks.buildings, np.flatnonzero(division.looks.buildings.there)
+        #: Sides (n, 2) in the bent plane, metres from the square's corner.
+        self._x = np.stack([buildings.x0[number], buildings.x1[number]], axis=1)
+        self._y = np.stack([buildings.y0[number], buildings.y1[number]], axis=1)
+        self._is_ridge_x, is_flat = buildings.ridge_x[number], buildings.pitch[number] == 0.0
+        inside = np.where(self._is_ridge_x, np.ptp(self._y, axis=1), np.ptp(self._x, axis=1)) / 2.0
+        self._rise_m = np.where(is_flat, 0.0, inside * GABLE_RISE)
+        # In metres on the ground, at the latitude of the square's middle.
+        lat, _ = MERCATOR.inverse(np.array(0.5), np.array((j + 0.5) / (1 << ROOT)))
+        self._high_m = (EAVES_M + self._rise_m) * np.cos(np.radians(lat))
+        self._shape = np.where(is_flat, 0, np.where(self._is_ridge_x, 1, 2))
+        roof = np.stack([channel[number] for channel in buildings.roof], axis=1)
+        walls = wall_colours(division.leaves.hash[number], roof.T).T
+        self._colours = np.stack([walls, roof], axis=1).astype(np.uint8)
+        # Unique within 64 x 64 root squares, 300 km.
+        self._instance = ((((j & 63) << 6) + (i & 63)) << 17) + number + 1
+        self._is_known = np.zeros(len(number), bool)
+        #: World fractions (n, 4) of the corners, and geocentric points (n, 10, 3) as in `_SHAPES`.
+        self._u, self._v = np.empty((2, len(number), 4))
+        self._points = np.empty((len(number), 10, 3))
 
+    def triangles(self, bent: tuple[tuple[float, float], ...], box: _Box, least_m: float) -> Triangles:
+        """Triangles of the houses in a box, which lies in ``bent``, metres of the bent plane from the corner."""
+        (west, east), (north, south) = bent
+        near = (self._x[:, 1] >= west) & (self._x[:, 0] <= east) & (self._y[:, 1] >= north) & (self._y[:, 0] <= south)
+        at = np.flatnonzero(near & (self._high_m >= 2.0 * least_m))
+        new = at[~self._is_known[at]]
+        if len(new):
+            self._find(new)
+        turn = np.round((box.west + box.east) / 2.0 - self._u[at].mean(axis=1))[:, np.newaxis]
+        u, v = self._u[at] + turn, self._v[at]
+        inside = (u.max(axis=1) >= box.west) & (u.min(axis=1) <= box.east)
+        inside &= (v.max(axis=1) >= box.north) & (v.min(axis=1) <= box.south)
+        return self._faces(at[inside])
 
-def _root_squares(landscape: int, west: float, east: float, north: float, south: float) -> list[tuple[int, int]]:
-    """Columns and rows of the root squares that hold what stands in a box of world fractions."""
-    u, v = (at.ravel() for at in np.meshgrid(np.linspace(west, east, 9), np.linspace(north, south, 9)))
-    v = np.clip(v, 0.0, np.nextafter(1.0, 0.0))
-    x, y = u * WORLD_M, v * WORLD_M
-    east_m, south_m = _warp(landscape, u - np.floor(u), v)
-    bent = x + east_m, y + south_m
-    # Between the points, the plane bends by less than a quarter of the box; houses reach 100 m beyond their corner.
-    ends = []
-    for at in bent:
-        more = 100.0 + 0.25 * float(np.ptp(at))
-        ends.append((int(np.floor((at.min() - more) / ROOT_M)), int(np.floor((at.max() + more) / ROOT_M))))
-    (i0, i1), (j0, j1) = ends
-    columns = 1 << ROOT
-    return [(i % columns, j) for j in range(max(j0, 0), min(j1, columns - 1) + 1) for i in range(i0, i1 + 1)]
+    def _find(self, at: Numbers) -> None:
+        """Find where houses (k,) stand: corners on the map, and their heights."""
+        bent = [
+            side[at, :1] + _CORNERS[:, axis] * np.ptp(side[at], axis=1)[:, np.newaxis] + self._corner_m[axis]
+            for axis, side in enumerate((self._x, self._y))
+        ]
+        u, v = _unbent(self._landscape, *bent)
+        lat, lon = MERCATOR.inverse(u, v)
+        ground = _ground(self._landscape, u.ravel(), v.ravel()).reshape(-1, 4)
+        # Heights in the chart's metres, like widths.
+        scale = np.cos(np.radians(lat[:, 0]))
+        eaves = np.maximum(ground.mean(axis=1) + EAVES_M * scale, ground.max(axis=1) + _LEAST_WALL_M * scale)
+        rise_m = self._rise_m[at] * scale
+        foot = ground.min(axis=1) - SKIRT_M
+        top, below = (geocentric(lat, lon, np.repeat(height[:, np.newaxis], 4, axis=1)) for height in (eaves, foot))
+        up = enu_axes(lat[:, 0], lon[:, 0])[:, 2] * rise_m[:, np.newaxis]
+        # The ridge, in the middle of two sides, from west to east or from north to south.
+        first = np.where(self._is_ridge_x[at], 0, 3)
+        each = np.arange(len(at))
+        ridge = np.stack([(top[each, k] + top[each, (k + 1) % 4]) / 2.0 + up for k in (first, (first + 2) % 4)], axis=1)
+        self._points[at] = np.concatenate([top, ridge, below], axis=1)
+        self._u[at], self._v[at] = u, v
+        self._is_known[at] = True
 
-
-def _warp(landscape: int, u: Array, v: Array) -> tuple[Array, Array]:
-    """Metres by which the bent plane is displaced at world fractions (n,)."""
-    x, y = np.empty(u.size), np.empty(u.size)
-    for at, samples in group_points(u, v, np.full(u.size, BLOCK_ZOOM)):
-        region = Scene(landscape, samples).region
-        x[at], y[at] = region.value("warp_x", samples), region.value("warp_y", samples)
-    return x * WORLD_M, y * WORLD_M
-
-
-def _unbent(landscape: int, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """World fractions of positions (n,) in the bent plane, metres from its north-west corner."""
-    found_x, found_y = x.copy(), y.copy()
-    for _ in range(100):
-        u, v = found_x / WORLD_M, np.clip(found_y / WORLD_M, 0.0, np.nextafter(1.0, 0.0))
-        east_m, south_m = _warp(landscape, u - np.floor(u), v)
-        off_x, off_y = x - east_m - found_x, y - south_m - found_y
-        found_x, found_y = found_x + off_x, found_y + off_y
-        if max(float(np.abs(off).max(initial=0.0)) for off in (off_x, off_y)) < _CLOSE_M:
-            break
-    return found_x / WORLD_M, found_y / WORLD_M
+    def _faces(self, at: Numbers) -> Triangles:
+        """Triangles of some houses."""
+        parts = []
+        for shape, (walls, roofs) in enumerate(_SHAPES):
+            some = at[self._shape[at] == shape]
+            corners = np.array([*walls, *roofs])
+            is_roof = np.arange(len(corners)) >= len(walls)
+            parts.append(
+                Triangles(
+                    # One gather of points: by houses and then by corners, it takes twice as long.
+                    self._points.reshape(-1, 3)[(some[:, np.newaxis, np.newaxis] * 10 + corners).reshape(-1, 3)],
+                    np.tile(np.where(is_roof, ROOF, WALL).astype(np.uint8), len(some)),
+                    np.repeat(self._instance[some], len(corners)),
+                    self._colours[some][:, is_roof.astype(np.intp)].reshape(-1, 3),
+                    np.tile(is_roof, len(some)),
+                )
+            )
+        return Triangles.joined(parts)
 
 
 @lru_cache(maxsize=_KEPT)
 def _houses(landscape: int, i: int, j: int) -> _Houses:
     """Houses of a root square."""
-    division = whole_division(landscape, LatticeWindow(ROOT, i, j, 1, 1))
-    buildings, number = division.looks.buildings, np.flatnonzero(division.looks.buildings.there)
-    x = np.stack([edge[number] for edge in (buildings.x0, buildings.x1)], axis=1) + i * ROOT_M
-    y = np.stack([edge[number] for edge in (buildings.y0, buildings.y1)], axis=1) + j * ROOT_M
-    ridge_x, is_flat = buildings.ridge_x[number], buildings.pitch[number] == 0.0
-    inside = np.where(ridge_x, np.ptp(y, axis=1), np.ptp(x, axis=1)) / 2.0
-    rise_m = np.where(is_flat, 0.0, inside * GABLE_RISE)
-    # Corners, and the ends of the ridge, in the middle of two sides.
-    ends = np.array([(0.0, 0.5), (1.0, 0.5)])
-    ridge = np.where(ridge_x[:, np.newaxis, np.newaxis], ends, ends[:, ::-1])
-    shares = np.concatenate([np.broadcast_to(_CORNERS, (len(number), 4, 2)), ridge], axis=1)
-    bent = [at[:, :1] + shares[..., axis] * np.ptp(at, axis=1)[:, np.newaxis] for axis, at in enumerate((x, y))]
-    u, v = (at.reshape(-1, 6) for at in _unbent(landscape, *(at.ravel() for at in bent)))
-    ground = _ground(landscape, u[:, :4].ravel(), v[:, :4].ravel()).reshape(-1, 4)
-    roof = np.stack([channel[number] for channel in buildings.roof], axis=1)
-    walls = wall_colours(division.leaves.hash[number], roof.T).T
-    # Unique within 64 x 64 root squares, 300 km.
-    instance = ((((j & 63) << 6) + (i & 63)) << 17) + number + 1
-    faces, of_face = _faces(u, v, ground, rise_m, ridge_x, is_flat, (roof, walls), instance)
-    return _Houses(u[:, :4], v[:, :4], faces, of_face)
+    return _Houses(landscape, i, j)
+
+
+def _bent_box(landscape: int, box: _Box) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ends, west and east, north and south, in metres of the bent plane, of the houses that may reach into a box."""
+    u, v = (at.ravel() for at in np.meshgrid(np.linspace(box.west, box.east, 9), np.linspace(box.north, box.south, 9)))
+    v = np.clip(v, 0.0, np.nextafter(1.0, 0.0))
+    # Between the points, an eighth of the box apart, the plane bends by less than their distance.
+    more = _WIDEST_M + max(box.east - box.west, box.south - box.north) * WORLD_M / 8.0
+    found = []
+    for at, moved in zip((u, v), _warp(landscape, u, v)):
+        bent = at * WORLD_M + moved
+        found.append((float(bent.min()) - more, float(bent.max()) + more))
+    return found[0], found[1]
+
+
+def _warp(landscape: int, u: Array, v: Array) -> tuple[Floats, Floats]:
+    """Metres, east and south, by which the bent plane is displaced at world fractions (n,)."""
+    found = np.empty((2, u.size))
+    for at, samples in group_points(u - np.floor(u), v, np.full(u.size, _WARP_ZOOM)):
+        region = Region.around(landscape, samples)
+        for values, name in zip(found, ("warp_x", "warp_y")):
+            values[at] = region.value(name, samples)
+    found *= WORLD_M
+    return found[0], found[1]
+
+
+def _slopes(landscape: int, u: Array, v: Array) -> Floats:
+    """Slopes (n, 2, 2) of the bent plane's positions, x and y, by metres east and south, at world fractions (n,)."""
+    found = np.empty((u.size, 2, 2))
+    for at, samples in group_points(u - np.floor(u), v, np.full(u.size, _WARP_ZOOM)):
+        region = Region.around(landscape, samples)
+        for axis, name in enumerate(("warp_x", "warp_y")):
+            found[at, axis] = np.stack(region.slope(name, samples), axis=1) * WORLD_M
+    return found + np.eye(2)
+
+
+def _unbent(landscape: int, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """World fractions (n, 4) of the corners of houses, from metres in the bent plane.
+
+    By Newton's steps, in which houses do not depend on each other: first to the middle of each, and from there to its
+    corners by its slopes.
+    """
+    middle = np.stack([x.mean(axis=1), y.mean(axis=1)], axis=1)
+    found = _stepped(landscape, middle, middle - np.stack(_warp(landscape, *_fractions(middle)), axis=1), None)
+    slopes = _slopes(landscape, *_fractions(found))
+    bent = np.stack([x, y], axis=2)
+    ahead = np.linalg.solve(slopes, (bent - middle[:, np.newaxis]).transpose(0, 2, 1)).transpose(0, 2, 1)
+    corners = _stepped(
+        landscape, bent.reshape(-1, 2), (found[:, np.newaxis] + ahead).reshape(-1, 2), np.repeat(slopes, 4, axis=0)
+    )
+    u, v = _fractions(corners)
+    return u.reshape(x.shape), v.reshape(x.shape)
 
 
 def _ground(landscape: int, u: Floats, v: Floats) -> Floats:
     """Heights of the ground at world fractions (n,)."""
     heights = np.empty(u.size)
-    for at, samples in group_points(u - np.floor(u), v, np.full(u.size, BLOCK_ZOOM)):
+    for at, samples in group_points(u - np.floor(u), v, np.full(u.size, _WARP_ZOOM)):
         heights[at] = ground_m(Scene(landscape, samples))
     return heights
 
 
-def _faces(
-    u: Floats,
-    v: Floats,
-    ground: Floats,
-    rise_m: Floats,
-    ridge_x: Array,
-    is_flat: Array,
-    colours: tuple[Array, Array],
-    instance: Numbers,
-) -> tuple[Triangles, Numbers]:
-    """Triangles of houses (n,), and the house of each: walls, gable ends and roofs.
+def _stepped(landscape: int, bent: Floats, start: Floats, slopes: Floats | None) -> Floats:
+    """Positions (n, 2) on the map, in metres, of positions in the bent plane; slopes are found if there are none."""
+    found, rest = start.copy(), np.arange(len(start))
+    for _ in range(_MOST_STEPS):
+        at = _fractions(found[rest])
+        off = bent[rest] - found[rest] - np.stack(_warp(landscape, *at), axis=1)
+        by = _slopes(landscape, *at) if slopes is None else slopes[rest]
+        step = np.linalg.solve(by, off[..., np.newaxis])[..., 0]
+        found[rest] += step
+        rest = rest[np.abs(step).max(axis=1) >= _CLOSE_M]
+        if not len(rest):
+            break
+    return found
 
-    Corners are north-west, south-west, south-east, north-east; the ridge runs from west to east, or north to south.
-    """
-    lat, lon = MERCATOR.inverse(u, v)
-    # Heights in the chart's metres, like widths.
-    scale = np.cos(np.radians(lat[:, 0]))
-    eaves = (ground.mean(axis=1) + EAVES_M * scale)[:, np.newaxis]
-    foot = ground.min(axis=1)[:, np.newaxis] - SKIRT_M
-    top = eaves + np.concatenate([np.zeros((len(u), 4)), np.repeat((rise_m * scale)[:, np.newaxis], 2, axis=1)], axis=1)
-    points = np.concatenate([geocentric(lat, lon, top), geocentric(lat[:, :4], lon[:, :4], foot)], axis=1)
-    walls = [side for k in range(4) for side in ((k, 6 + k, 6 + (k + 1) % 4), (k, 6 + (k + 1) % 4, (k + 1) % 4))]
-    # West and east ends below a ridge eastward, north and south ends otherwise.
-    along_x = [(0, 1, 4), (2, 3, 5)], [(1, 2, 5), (1, 5, 4), (3, 0, 4), (3, 4, 5)]
-    along_y = [(3, 0, 4), (1, 2, 5)], [(0, 1, 5), (0, 5, 4), (2, 3, 4), (2, 4, 5)]
-    no_ends: list[tuple[int, int, int]] = []
-    flat = no_ends, [(0, 1, 2), (0, 2, 3)]
-    parts, owners = [], []
-    for chosen, (ends, roofs) in ((is_flat, flat), (~is_flat & ridge_x, along_x), (~is_flat & ~ridge_x, along_y)):
-        at = np.flatnonzero(chosen)
-        corners = np.array([*walls, *ends, *roofs])
-        is_roof = np.arange(len(corners)) >= len(walls) + len(ends)
-        each = np.repeat(at, len(corners))
-        roof = np.tile(is_roof, len(at))
-        parts.append(
-            Triangles(
-                points[at][:, corners].reshape(-1, 3, 3),
-                np.where(roof, ROOF, WALL).astype(np.uint8),
-                instance[each],
-                np.where(roof[:, np.newaxis], colours[0][each], colours[1][each]).astype(np.uint8),
-                roof,
-            )
-        )
-        owners.append(each)
-    return Triangles.joined(parts), np.concatenate(owners)
+
+def _fractions(metres: Floats) -> tuple[Floats, Floats]:
+    """World fractions of positions (n, 2) on the map in metres."""
+    u, v = metres.T / WORLD_M
+    return u, np.clip(v, 0.0, np.nextafter(1.0, 0.0))

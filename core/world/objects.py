@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD, wall_colours
+from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD
 from .lattice import WORLD_M, Array, LatticeWindow, bits, cell_hash, salt
 from .paint import Canvas, clip01
 from .parcels import Parcels, root_squares
@@ -83,18 +83,6 @@ class BuildingOutlines:
         cx *= cy
         return np.asarray(np.maximum(cx, np.float32(0), out=cx))
 
-    def rises_m(self) -> Array:
-        """Heights of roofs above the eaves at the samples; 0 on flat roofs."""
-        buildings = self.parcels.division.looks.buildings
-
-        def entries(table: Array) -> Array:
-            return np.asarray(self.parcels.leaf(table).take(self.index, mode="clip"))
-
-        inside = np.where(
-            entries(buildings.ridge_x), np.minimum(self.north, self.south), np.minimum(self.west, self.east)
-        )
-        return np.asarray(np.maximum(inside, np.float32(0)) * np.float32(GABLE_RISE) * (entries(buildings.pitch) > 0))
-
     def roofs(self) -> list[Array]:
         """Roof colours at the samples, red, green and blue; the sides of a gable differ in light."""
         buildings = self.parcels.division.looks.buildings
@@ -109,26 +97,6 @@ class BuildingOutlines:
         across *= entries(buildings.pitch)
         light = np.float32(1) - across
         return [entries(channel) * light for channel in buildings.roof]
-
-    def walls(self, east: Array, south: Array) -> list[Array]:
-        """Colours of the walls next to the samples, red, green and blue; NaN outside buildings.
-
-        Parameters
-        ----------
-        east, south : arrays
-            Direction that the wall faces, as a unit vector; selects one of two walls near their corner.
-        """
-        parcels, leaves = self.parcels, self.parcels.division.leaves
-        roof = np.stack([parcels.leaf(channel) for channel in parcels.division.looks.buildings.roof])
-        # The direction counts within 0.5 m of a corner; elsewhere the nearest wall is more reliable.
-        east, south = east * 0.5, south * 0.5
-        lit = np.minimum(self.west + east, self.north + south)
-        # Light relative to level ground: 0.5 in shadow, south and east; lit walls, 45 degrees off the sun's direction,
-        # get (1 - 0.5) cos 45° / tan 50° more.
-        light = np.where(lit < np.minimum(self.east - east, self.south - south), 0.8, 0.5)
-        inside = np.minimum(np.minimum(self.west, self.east), np.minimum(self.north, self.south)) > 0
-        light = np.where(inside, light, np.nan).astype(np.float32)
-        return [parcels.spread(channel) * light for channel in wall_colours(parcels.leaf(leaves.hash), roof)]
 
 
 def footprints(parcels: Parcels) -> BuildingOutlines | None:

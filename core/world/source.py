@@ -11,6 +11,7 @@ from ..bands import Bands
 from ..errors import InvalidInput
 from ..geodesy.mercator import HALF_WORLD_M, PixelGrid, WebMercator
 from ..geodesy.planes import ProjectedPlane
+from ..geodesy.triangles import NO_FACES, FaceModel
 from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import SourceOptions
 from ..imagery.policy import Policy
@@ -18,9 +19,8 @@ from ..imagery.source import Part, Window, tile_parts
 from ..map_types import MAP_TYPES, ROADMAP, SATELLITE, TERRAIN
 from . import caps, styles
 from .heights import ground_m, surface_m
+from .houses import WorldHouses
 from .lattice import TILE_PX, Array, chart_seed
-from .objects import footprints
-from .region import BLOCK_ZOOM
 from .samples import Grid, group_points
 from .scene import Scene
 
@@ -116,7 +116,8 @@ class World:
         return out.reshape(*shape, 3)
 
     @property
-    def _landscape(self) -> int:
+    def landscape(self) -> int:
+        """Number of the chart's landscape, see `lattice.chart_seed`."""
         return chart_seed(self.seed, _POLES.get(self.crs, 0))
 
     def heights(self, zoom: int, x: int, y: int, *, bare: bool = False) -> NDArray[np.float32]:
@@ -125,7 +126,7 @@ class World:
         Parameters
         ----------
         bare : bool
-            Without buildings and trees, which polar charts lack in any case.
+            Without trees, which polar charts lack in any case.
 
         Raises
         ------
@@ -133,35 +134,8 @@ class World:
             A tile that does not exist.
         """
         self._check_tile(zoom, x, y)
-        scene = Scene(self._landscape, Grid(int(zoom), int(x), int(y)))
+        scene = Scene(self.landscape, Grid(int(zoom), int(x), int(y)))
         return ground_m(scene) if bare or self.crs in _POLES else surface_m(scene)
-
-    def walls(self, u: Array, v: Array, east: Array, south: Array) -> NDArray[np.float32]:
-        """Colours of the walls of buildings, which pictures from above do not show.
-
-        A building has one colour, which matches its roof; walls in shadow are darker.
-
-        Parameters
-        ----------
-        u, v : float64 arrays (n,)
-            World fractions, as in `colour`, of points on the roofs above the walls.
-        east, south : arrays (n,)
-            Directions that the walls face, as unit vectors.
-
-        Returns
-        -------
-        float32 array of shape (n, 3)
-            Red, green, blue in 0..255; NaN outside buildings.
-        """
-        out = np.full((u.size, 3), np.nan, dtype=np.float32)
-        if self.crs in _POLES:
-            return out
-        # Colours of walls are the same at all zooms that show buildings: take the widest tiles that share a region.
-        for at, samples in group_points(u - np.floor(u), v, np.full(u.size, BLOCK_ZOOM)):
-            prints = footprints(Scene(self._landscape, samples).parcels)
-            if prints is not None:
-                out[at] = np.stack(prints.walls(east[at], south[at]), axis=-1)
-        return out
 
     def _painter(self, style: str) -> styles.Painter:
         if style not in MAP_TYPES:
@@ -171,7 +145,7 @@ class World:
     def _paint_points(self, painter: styles.Painter, u: Array, v: Array, zoom: Array) -> NDArray[np.float32]:
         out = np.empty((u.size, 3), dtype=np.float32)
         for at, samples in group_points(u, v, zoom):
-            out[at] = painter(Scene(self._landscape, samples)).pixels()
+            out[at] = painter(Scene(self.landscape, samples)).pixels()
         return out
 
     def tile(self, style: str, zoom: int, x: int, y: int) -> NDArray[np.uint8]:
@@ -184,7 +158,7 @@ class World:
         """
         painter = self._painter(style)
         self._check_tile(zoom, x, y)
-        return painter(Scene(self._landscape, Grid(int(zoom), int(x), int(y)))).rounded()
+        return painter(Scene(self.landscape, Grid(int(zoom), int(x), int(y)))).rounded()
 
     @staticmethod
     def _check_tile(zoom: int, x: int, y: int) -> None:
@@ -226,25 +200,20 @@ class WorldSource:
         """
         return self.world.tile(map_type, part.zoom, int(part.left_px) // TILE_PX, int(part.top_px) // TILE_PX)
 
-    def walls(self, map_type: str, lat_deg: Array, lon_deg: Array, east: Array, north: Array) -> NDArray[np.float32]:
-        """Colours of walls below roofs, see `imagery.source.Walled`; NaN for street maps and relief."""
-        if map_type != SATELLITE:
-            return np.full((lat_deg.size, 3), np.nan, np.float32)
-        return self.world.walls(*self.grid.plane.forward(lat_deg, lon_deg), east, -north)
-
     def close(self) -> None:
         """Do nothing: there is nothing to close."""
 
 
 class WorldHeights(WorldSource):
-    """The heights of the embedded world as a source."""
+    """The heights of the embedded world as a source, without its houses, which are faces."""
 
     bands = Bands(("height",), "float32", (0,))
 
     def __init__(self, seed: int = 2024, crs: str = "") -> None:
         super().__init__(seed, crs)
-        # Pixels of 0.3 m show the shapes of buildings and trees.
+        # Pixels of 0.3 m show the shapes of trees.
         self.grid = replace(self.grid, max_zoom=19, native_zoom=19)
+        self.faces: FaceModel = NO_FACES if self.world.crs in _POLES else WorldHouses(self.world.landscape)
 
     def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002 (all map types have the same heights)
         """Heights of a tile, (256, 256, 1); raises InvalidInput for a tile that does not exist."""

@@ -107,38 +107,6 @@ def _has_ground(heights: Floats, per: Floats, column: float, row: float, steps: 
 
 
 @compiled
-def steep_faces(
-    heights: Floats,
-    hit_t: Floats,
-    hit_column: Floats,
-    hit_row: Floats,
-    per: Floats,
-    steep: float,
-    pixels: Numbers,
-    faces: Floats,
-) -> int:
-    """Fill in the pixels that see steep faces, and return their number: see `Seen.steep_faces`.
-
-    ``pixels`` (2, n) are rows and columns; ``faces`` (4, n) the columns and rows of the faces' upper ends, and the
-    slopes eastward and northward.
-    """
-    count = 0
-    for row in range(hit_t.shape[0]):
-        for column in range(hit_t.shape[1]):
-            if not math.isfinite(hit_t[row, column]):
-                continue
-            x, y = hit_column[row, column], hit_row[row, column]
-            _, across, down = _ground(heights, x, y)
-            east, north = _slopes(per, across, down)
-            if east * east + north * north > steep * steep:
-                pixels[0, count], pixels[1, count] = row, column
-                faces[2, count], faces[3, count] = east, north
-                faces[0, count], faces[1, count], _ = _face_end(heights, per, x, y, 1.0, steep)
-                count += 1
-    return count
-
-
-@compiled
 def seen_pixels(
     heights: Floats,
     has_holes: bool,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.polynomial import polyval2d, polyvander2d
 
-from ...arrays import Flags, Floats, Numbers
+from ...arrays import Flags, Floats
 from ...external.compiling import uses_numba
 from ..mercator import PixelGrid, wrap_lon_deg
 from ..view import KIND_BITS, MOST_POWER, NEAREST_PX, Detail, Samples, plane_samples
@@ -50,25 +50,6 @@ class Seen(NamedTuple):
             x, y = np.clip(column + across * wide, 0.0, columns), np.clip(row + down * high, 0.0, rows)
             has_ground &= np.isfinite(self.surface.heights(x, y))
         return has_ground
-
-    def steep_faces(self) -> tuple[Numbers, Floats]:
-        """Pixels that see steep faces: rows and columns (2, n), and what they see (4, n).
-
-        That is columns and rows of the faces' upper ends on the surface, and slopes eastward and northward.
-        """
-        row, column = np.nonzero(np.isfinite(self.hits.t))
-        if uses_numba():
-            from . import sampling
-
-            pixels, faces = np.empty((2, len(row)), np.int64), np.empty((4, len(row)))
-            heights = self.surface.grid_heights_m
-            count = sampling.steep_faces(heights, *self.hits, self.per_metre, STEEP, pixels, faces)
-            return pixels[:, :count] + [[self.top], [0]], faces[:, :count]
-        slopes = np.stack(self.slopes(self.hits.column[row, column], self.hits.row[row, column]))
-        steep = np.hypot(*slopes) > STEEP
-        row, column = row[steep], column[steep]
-        ends = self.follow_faces(self.hits.column[row, column], self.hits.row[row, column], 1.0)
-        return np.stack([row + self.top, column]), np.stack([*ends, *slopes[:, steep]])
 
     def face_edges(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Upper or lower ends of the steep faces at points (n,), whichever is nearer in height."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import takewhile
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -108,26 +109,6 @@ def relief_normals(slope_east: Floats, slope_north: Floats) -> Floats:
     up = np.stack([-slope_east, -slope_north, np.ones_like(slope_east)], axis=-1)
     normals: Floats = up / np.linalg.norm(up, axis=-1, keepdims=True)
     return normals
-
-
-class SteepPixels(NamedTuple):
-    """Pixels of an image that see steep faces, (n,) each.
-
-    Attributes
-    ----------
-    row, column : array of int
-    lat_deg, lon_deg : array
-        Upper ends of the faces, at the edge of the roof; longitudes are in -180 … 180.
-    east, north : array
-        Level directions that they face: down the slope, as unit vectors.
-    """
-
-    row: Numbers
-    column: Numbers
-    lat_deg: Floats
-    lon_deg: Floats
-    east: Floats
-    north: Floats
 
 
 class Ring(NamedTuple):
@@ -237,20 +218,27 @@ class Tracing:
         return found if (found.triangle >= 0).any() else None
 
     def _near_faces(self) -> Iterator[Triangles]:
-        """Faces that may be seen, from near to far; small ones are left out where they are far."""
+        """Faces that may be seen, from near to far; those smaller than half a pixel are left out."""
         (lat, lon), last_m = self.place, float(self._reach[2].max())
         pixel = min(float(np.linalg.norm(per)) for per in (self.rays.per_x, self.rays.per_y))
         begin_m, end_m = 0.0, _FIRST_HEIGHTS * max(self.height_m - self.lowest_m, 100.0)
         while begin_m < last_m:
             end_m = end_m if end_m < last_m else np.inf
             at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), self._points(begin_m, end_m))
-            found = self.faces.triangles(at_lat, lon + dlon, _LEAST_PX * pixel * begin_m)
+            away_m = begin_m or self._least_above_m(end_m)
+            found = self.faces.triangles(at_lat, lon + dlon, _LEAST_PX * pixel * away_m)
             if begin_m > 0.0:
                 # What lies nearer has been asked for before.
                 offsets = found.corners_m - geocentric(lat, lon, self.height_m)
                 found = found.take((np.einsum("nij,nij->ni", offsets, offsets) > begin_m * begin_m).any(axis=1))
             yield found
             begin_m, end_m = end_m, 2.0 * end_m
+
+    def _least_above_m(self, end_m: float) -> float:
+        """Height of the camera above the highest ground up to a level distance; 0 if below it."""
+        near = takewhile(lambda ring: ring.begin_m < end_m, self.rings())
+        tops = [ring.surface.highest_m for ring in near if ring.surface.has_ground]
+        return max(self.height_m - max(tops, default=self.lowest_m), 0.0)
 
     @cached_property
     def _seen_faces(self) -> SeenFaces | None:
@@ -491,16 +479,6 @@ class Tracing:
         """Pixels that see faces which the imagery does not show; None if none does."""
         return None if self._seen_faces is None else self._seen_faces.painted()
 
-    def steep_pixels(self) -> SteepPixels:
-        """Pixels that see steep faces; `view` samples them at the edges of the faces."""
-        found = [SteepPixels(*np.empty((2, 0), np.int64), *np.empty((4, 0)))]
-        for one in self._seen:
-            (row, column), (at_column, at_row, east, north) = one.steep_faces()
-            slope = np.hypot(east, north)
-            lat, lon = one.surface.places(at_column, at_row)
-            found.append(SteepPixels(row, column, lat, lon, -east / slope, -north / slope))
-        return SteepPixels(*(np.concatenate(parts) for parts in zip(*found)))
-
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
         """Map the image to a source's pixels; positions count from the camera's meridian."""
         found = [one.samples(self.place[1], grid, zooms) for one in self._seen]
@@ -540,7 +518,6 @@ def compile_code() -> None:
     paths, farthest, _ = surface.paths(lat, lon, 10.0, down, 0.1)
     hits = surface.image_hits(paths, down, (np.zeros((10, 10)), np.full((10, 10), farthest)), 0.1)
     seen = Seen(surface, hits, paths.forms[0][:2, :2], down)
-    seen.steep_faces()
     surface.first_hits(paths.start, paths.coefficients(down.directions(np.array([5.0]), np.array([5.0]))), np.ones(1))
     samples, _ = seen.samples(lon, grid, (0, zoom))
     View(10, 10, grid, (), tuple(samples), None, None, 0.0).tiles(lon)

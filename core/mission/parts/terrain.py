@@ -180,6 +180,12 @@ class Terrain(CheckedFields):
         advanced=True,
     )
 
+    @property
+    def has_buildings(self) -> bool:
+        """Whether buildings stand on the relief: those named, or the synthetic world's houses."""
+        seen = next(iter((*self.surface, *self.elevation)), "")
+        return bool(self.buildings) or seen.lower() == "world"
+
     def __post_init__(self) -> None:
         """Check every field; refuse a surface, or buildings, without an elevation."""
         super().__post_init__()

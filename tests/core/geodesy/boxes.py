@@ -43,6 +43,10 @@ class Boxes:
         self.all = Triangles(corners.reshape(-1, 3, 3), kind, instance, colour, kind == ROOF)
         self.asked = []
 
+    @property
+    def listed(self):
+        return self.count
+
     def triangles(self, lat_deg, lon_deg, least_m=0.0):
         self.asked.append(least_m)
         near = (self.lat.max(axis=1) >= lat_deg.min()) & (self.lat.min(axis=1) <= lat_deg.max())

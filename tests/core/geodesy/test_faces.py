@@ -355,9 +355,12 @@ def test_faces_30_km_away_are_where_the_earths_curve_puts_them():
         assert float(hit.t[row[at], column[at]]) == pytest.approx(float(wanted), abs=1e-3)
 
 
-def test_small_buildings_are_asked_for_only_near_by(town):
+def test_buildings_smaller_than_half_a_pixel_are_not_asked_for(town):
     made = over(town, 85.0)
     assert made._face_hits is not None
-    assert town.asked[0] == 0.0
+    pixel = min(float(np.linalg.norm(per)) for per in made.rays[1:3])
+    # Nothing is nearer than the ground below, the town's included.
+    highest = max(ring.surface.highest_m for ring in made.rings())
+    assert town.asked[0] == pytest.approx(0.5 * pixel * (made.height_m - highest))
     assert town.asked == sorted(town.asked)
     assert town.asked[-1] > 0.0

@@ -53,17 +53,6 @@ def test_samples_and_tiles_are_those_of_numpy(kind, tilt_deg):
     assert view.tiles(-89.9) == with_numpy(lambda: view.tiles(-89.9))
 
 
-@pytest.mark.parametrize("kind", [terraces, blocks])
-def test_steep_faces_are_those_of_numpy(kind):
-    made = tracing(kind, 55.0)
-    found, wanted = made.steep_pixels(), with_numpy(made.steep_pixels)
-    assert len(found.row)
-    for one, other in zip(found[:2], wanted[:2]):
-        assert np.array_equal(one, other)
-    for one, other in zip(found[2:], wanted[2:]):
-        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9)
-
-
 @pytest.mark.parametrize("kind", [terraces, blocks, holes])
 def test_hits_are_those_of_numpy_but_where_rays_graze_an_edge(kind):
     found = tracing(kind, 55.0).depth_m

@@ -350,7 +350,7 @@ def test_over_relief_the_drone_looks_at_the_ground_of_each_place(tmp_path):
     """Places at different heights: each in the middle of its images, whose pictures are those of the relief."""
     towns = (
         PairPlace(35.1408, -89.8606, "town"),
-        PairPlace(35.1208, -89.86, "field"),
+        PairPlace(35.1008, -89.86, "field"),
     )
     settings = PairSettings(
         views=rings((60.0,), 2, (45.0,)),

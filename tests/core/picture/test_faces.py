@@ -18,7 +18,7 @@ from terrainav.core.mission.estimate import building_warnings
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.relief.ground import Heights
-from terrainav.core.mission.relief.roofed import RoofedElevation
+from terrainav.core.mission.relief.roofed import RoofedElevation, seen_surface
 from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.painting import AMBIENT, sun_enu
 from terrainav.core.picture.products import products, sighting
@@ -114,7 +114,7 @@ def test_a_shot_keeps_what_its_picture_needs(files, tower):
     made, source = planned(files, tower)
     wanted = picture(made, source).pixels
     shot = make_shot(made, 0)
-    shot.trace(with_steep=False, with_sighting=True)
+    shot.trace(with_sighting=True)
     assert "_tracing" not in shot.__dict__
     parts = picture_parts(made, source, 0)
     pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
@@ -172,6 +172,20 @@ def test_ground_of_large_cells_is_raised_under_roofs_only(tower):
         assert height(*inside) == pytest.approx(GROUND_M + HIGH_M, abs=0.01)
     for outside in ((0.0, 10.0), (-18.0, 27.0), (0.0, 44.0), (90.0, -90.0)):
         assert height(*outside) == pytest.approx(GROUND_M, abs=0.01)
+
+
+@pytest.mark.parametrize(("elevation", "cell_m"), [("flat", 0.75), ("level", 3.0)])
+def test_surfaces_seen_from_above_have_roofs_no_wider_than_they_are(files, tower, elevation, cell_m):
+    found = open_relief((files[1] if elevation == "flat" else str(GROUND_M),), HeightOptions())
+    lat, lon = LAT + np.array([-60.0, 60.0]) * METRE_LAT, LON + np.array([-60.0, 60.0]) * METRE_LON
+    raised = seen_surface(Heights(found, found, tower)).surface(lat, lon)
+    x, y = (at.ravel() for at in np.meshgrid(np.arange(-50.0, 50.0, 0.7), np.arange(-50.0, 50.0, 0.7)))
+    heights = raised.heights(*raised.position(LAT + y * METRE_LAT, LON + x * METRE_LON))
+    inside = np.minimum(10.0 - np.abs(x), 7.5 - np.abs(y - 27.5))
+    aside = 1.5 * cell_m
+    assert heights[inside > aside] == pytest.approx(GROUND_M + HIGH_M, abs=0.01)
+    assert heights[inside < -aside] == pytest.approx(GROUND_M, abs=0.01)
+    assert (inside > aside).sum() > 50
 
 
 def test_buildings_on_level_ground_are_seen_by_camera_frames(files, tower):
