@@ -529,12 +529,17 @@ class ImageRays(NamedTuple):
 
     def directions(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
-        x, y = (np.asarray(values, np.float64) for values in (x_px, y_px))
-        rays = np.empty((*np.broadcast_shapes(x.shape, y.shape), 3))
+        rays = np.empty((*np.broadcast_shapes(np.shape(x_px), np.shape(y_px)), 3))
         # Component by component: broadcasting a last axis of 3 is several times as slow.
         for axis in range(3):
-            rays[..., axis] = self.origin[axis] + x * self.per_x[axis] + y * self.per_y[axis]
+            rays[..., axis] = self.component(axis, x_px, y_px)
         return rays
+
+    def component(self, axis: int, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
+        """One component of rays of image points: 0 east, 1 north, 2 up."""
+        x, y = (np.asarray(values, np.float64) for values in (x_px, y_px))
+        found: Floats = self.origin[axis] + x * self.per_x[axis] + y * self.per_y[axis]
+        return found
 
     def ground(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> GroundPoints:
         """Ground seen at image points."""

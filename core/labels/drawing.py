@@ -23,16 +23,17 @@ def topmost(pieces: Pieces, x: Floats, y: Floats) -> Numbers:
         from . import kernels
 
         x, y = (np.ascontiguousarray(one, np.float64) for one in (x, y))
-        bounds = np.empty(4)
-        kernels.fill_bounds(x, y, (0, x.shape[0]), (0, x.shape[1]), bounds)
-        which = _overlapping(pieces.box, bounds)
+        tiles = np.empty((*(-(-length // _TILE_PX) for length in x.shape), 4))
+        kernels.fill_bounds(x, y, _TILE_PX, tiles)
+        strips = _joined_bounds(tiles, axis=1)
+        which = _overlapping(pieces.box, _joined_bounds(strips, axis=0))
         if not len(which):
             return found
         near = pieces.take(which)
         count = len(near)
         strip, within, kept, ends = (np.empty(count, np.int64) for _ in range(4))
         kernels.topmost(
-            x, y, _TILE_PX, near.box, near.radius_m, near.scale_m, near.starts, near.edges, bounds,
+            x, y, _TILE_PX, near.box, near.radius_m, near.scale_m, near.starts, near.edges, tiles, strips,
             np.arange(count), strip, within, kept, ends, np.empty(count, np.bool_),
             np.empty(len(near.edges), np.int64), found,
         )  # fmt: skip
@@ -46,6 +47,11 @@ def topmost(pieces: Pieces, x: Floats, y: Floats) -> Numbers:
     # The last is for positions without a piece, whose index is -1.
     of_all: Numbers = np.append(which, -1).take(found)
     return of_all
+
+
+def _joined_bounds(bounds: Floats, axis: int) -> Floats:
+    """Bounds (..., 4) of several bounds along an axis."""
+    return np.concatenate([bounds[..., :2].min(axis=axis), bounds[..., 2:].max(axis=axis)], axis=-1)
 
 
 def _within(box: Floats, x: Floats, y: Floats) -> Numbers:

@@ -40,22 +40,30 @@ def is_near(px: float, py: float, edges: Floats, edge: int, x_m: float, y_m: flo
 
 
 @compiled
-def fill_bounds(x: Floats, y: Floats, rows: tuple[int, int], columns: tuple[int, int], bounds: Floats) -> bool:
-    """Least x and y and greatest x and y of a rectangle of pixels; returns whether any sees the ground."""
-    bounds[0] = bounds[1] = np.inf
-    bounds[2] = bounds[3] = -np.inf
-    for row in range(rows[0], rows[1]):
-        for column in range(columns[0], columns[1]):
-            # Comparisons with NaN are false.
-            if x[row, column] < bounds[0]:
-                bounds[0] = x[row, column]
-            if x[row, column] > bounds[2]:
-                bounds[2] = x[row, column]
-            if y[row, column] < bounds[1]:
-                bounds[1] = y[row, column]
-            if y[row, column] > bounds[3]:
-                bounds[3] = y[row, column]
-    return bool(bounds[0] <= bounds[2] and bounds[1] <= bounds[3])
+def fill_bounds(x: Floats, y: Floats, tile_px: int, bounds: Floats) -> None:
+    """Write least x and y and greatest x and y of each tile of pixels into ``bounds`` (rows, columns, 4).
+
+    Least are greater than greatest where no pixel of a tile sees the ground.
+    """
+    for tile_row in range(bounds.shape[0]):
+        for tile_column in range(bounds.shape[1]):
+            # Variables, as writing to the array for each pixel takes longer.
+            least_x = least_y = np.inf
+            most_x = most_y = -np.inf
+            for row in range(tile_row * tile_px, min((tile_row + 1) * tile_px, x.shape[0])):
+                for column in range(tile_column * tile_px, min((tile_column + 1) * tile_px, x.shape[1])):
+                    px, py = x[row, column], y[row, column]
+                    # Comparisons with NaN are false.
+                    if px < least_x:
+                        least_x = px
+                    if px > most_x:
+                        most_x = px
+                    if py < least_y:
+                        least_y = py
+                    if py > most_y:
+                        most_y = py
+            bounds[tile_row, tile_column, 0], bounds[tile_row, tile_column, 1] = least_x, least_y
+            bounds[tile_row, tile_column, 2], bounds[tile_row, tile_column, 3] = most_x, most_y
 
 
 @compiled
@@ -107,10 +115,38 @@ def _choose(
 
 
 @compiled
+def _draw_tile(
+    x: Floats, y: Floats, count: int, kept: Numbers, ends: Numbers, odd: Flags, box: Floats, radius_m: Floats,
+    scale_m: Floats, starts: Numbers, edges: Floats, chosen: Numbers, found: Numbers,
+) -> None:  # fmt: skip
+    """Write the topmost pieces of one tile, of those that `_choose` has kept."""
+    for row in range(x.shape[0]):
+        for column in range(x.shape[1]):
+            px, py = x[row, column], y[row, column]
+            if not ends[0]:
+                # The first piece covers the tile.
+                if not (np.isnan(px) or np.isnan(py)):
+                    found[row, column] = kept[0]
+                continue
+            for at in range(count):
+                piece = kept[at]
+                if not (box[piece, 0] <= px <= box[piece, 2] and box[piece, 1] <= py <= box[piece, 3]):
+                    continue
+                if radius_m[piece] > 0.0:
+                    x_m, y_m = scale_m[piece, 0], scale_m[piece, 1]
+                    if is_near(px, py, edges, starts[piece], x_m, y_m, radius_m[piece]):
+                        found[row, column] = piece
+                        break
+                elif contains(px, py, edges, chosen, ends[at - 1] if at else 0, ends[at], odd[at]):
+                    found[row, column] = piece
+                    break
+
+
+@compiled
 def topmost(
     x: Floats, y: Floats, tile_px: int, box: Floats, radius_m: Floats, scale_m: Floats, starts: Numbers,
-    edges: Floats, bounds: Floats, every: Numbers, strip: Numbers, near: Numbers, kept: Numbers, ends: Numbers,
-    odd: Flags, chosen: Numbers, found: Numbers,
+    edges: Floats, tiles: Floats, strips: Floats, every: Numbers, strip: Numbers, near: Numbers, kept: Numbers,
+    ends: Numbers, odd: Flags, chosen: Numbers, found: Numbers,
 ) -> None:  # fmt: skip
     """Write the index of the topmost piece at each pixel into ``found`` (h, w), which holds -1.
 
@@ -120,36 +156,26 @@ def topmost(
         Positions of the pixels; NaN without ground.
     box, radius_m, scale_m, starts, edges : array
         Of `Pieces`.
-    bounds : array (4,)
+    tiles, strips : array (rows, columns, 4), (rows, 4)
+        Bounds of tiles, from `fill_bounds`, and of their rows.
     every, strip, near, kept, ends, odd : array (n,)
         Working memory; ``every`` has all indices of pieces.
     chosen : array (m,)
         Working memory for edges.
     """
     rows, columns = x.shape
-    for top in range(0, rows, tile_px):
-        bottom = min(top + tile_px, rows)
-        if not fill_bounds(x, y, (top, bottom), (0, columns), bounds):
+    for tile_row in range(len(strips)):
+        in_strip = _overlapping(box, strips[tile_row], every, len(every), strip)
+        if not in_strip:
             continue
-        in_strip = _overlapping(box, bounds, every, len(every), strip)
-        for left in range(0, columns, tile_px):
-            right = min(left + tile_px, columns)
-            if not in_strip or not fill_bounds(x, y, (top, bottom), (left, right), bounds):
-                continue
+        top, bottom = tile_row * tile_px, min((tile_row + 1) * tile_px, rows)
+        for tile_column in range(tiles.shape[1]):
+            left, right = tile_column * tile_px, min((tile_column + 1) * tile_px, columns)
+            bounds = tiles[tile_row, tile_column]
             count = _overlapping(box, bounds, strip, in_strip, near)
             count = _choose(bounds, near, count, radius_m, starts, edges, kept, ends, odd, chosen)
-            for row in range(top, bottom if count else top):
-                for column in range(left, right):
-                    px, py = x[row, column], y[row, column]
-                    for at in range(count):
-                        piece = kept[at]
-                        if not (box[piece, 0] <= px <= box[piece, 2] and box[piece, 1] <= py <= box[piece, 3]):
-                            continue
-                        if radius_m[piece] > 0.0:
-                            x_m, y_m = scale_m[piece, 0], scale_m[piece, 1]
-                            if is_near(px, py, edges, starts[piece], x_m, y_m, radius_m[piece]):
-                                found[row, column] = piece
-                                break
-                        elif contains(px, py, edges, chosen, ends[at - 1] if at else 0, ends[at], odd[at]):
-                            found[row, column] = piece
-                            break
+            if count:
+                _draw_tile(
+                    x[top:bottom, left:right], y[top:bottom, left:right], count, kept, ends, odd, box, radius_m,
+                    scale_m, starts, edges, chosen, found[top:bottom, left:right],
+                )  # fmt: skip

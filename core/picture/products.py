@@ -207,8 +207,8 @@ def _near_level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tupl
     seen = rays.ground(*np.meshgrid(across.nodes, down.nodes))
     lat_deg = float(pose.lat_deg[0])
     most_deg = math.degrees(_digit_m(plan, index, size_px) / WGS84.a_m)
-    fall = -rays.directions(*np.meshgrid(across.nodes, down.nodes))[..., 2]
-    depth = -rays.directions(np.arange(width) + 0.5, np.arange(height)[:, np.newaxis] + 0.5)[..., 2]
+    fall = -rays.component(2, across.nodes, down.nodes[:, np.newaxis])
+    depth = -rays.component(2, np.arange(width) + 0.5, np.arange(height)[:, np.newaxis] + 0.5)
     with np.errstate(invalid="ignore", divide="ignore"):
         offsets = [
             down.weights @ (at * fall) @ across.weights.T / depth for at in (seen.lat_deg - lat_deg, seen.dlon_deg)

@@ -179,6 +179,23 @@ def test_a_long_line_keeps_its_width_in_metres():
         assert classes.sum() * 0.01 == pytest.approx(4.0, abs=0.03)
 
 
+@pytest.mark.parametrize("unseen", [0.0, 0.1, 0.95, 1.0])
+def test_tiles_that_a_piece_covers_have_the_same_pixels_without_compiled_code(unseen):
+    """Also where many pixels see no ground."""
+    rng = np.random.default_rng(7)
+    covers = shapely.box(-9.0, -9.0, 9.0, 9.0).difference(shapely.Point(0.1, 0.2).buffer(0.5))
+    shapes = [covers, shapely.box(-0.9, -0.9, 0.2, 0.1), shapely.Point(0.5, 0.5), shapely.box(3.0, 3.0, 4.0, 4.0)]
+    lon, lat = np.meshgrid(np.linspace(-1.0, 1.0, 77), np.linspace(1.0, -1.0, 53))
+    lon[rng.random(lon.shape) < unseen] = np.nan
+    lat[rng.random(lat.shape) < unseen / 2.0] = np.nan
+    labels = LabelMap([LabelLayer(ShapelyLayer(shapes), "things")], point_radius_m=20_000.0)
+    drawn = labels.draw(DegreePlane(), lon, lat, GroundBox.around(lat, lon))
+    with without_numba():
+        wanted = labels.draw(DegreePlane(), lon, lat, GroundBox.around(lat, lon))
+    np.testing.assert_array_equal(drawn, wanted)
+    assert ((drawn[1] > 0) <= np.isfinite(lon + lat)).all()
+
+
 def test_later_layers_lie_on_top_and_instances_go_on():
     below = ShapelyLayer([shapely.box(0, 0, 1, 1), shapely.box(1, 0, 2, 1)])
     above = ShapelyLayer([shapely.box(0.5, 0, 1.5, 1)])
