@@ -91,6 +91,8 @@ class Appearance:
         self._folder = folder
         #: Textures that surfaces have, by number; None where the image could not be read.
         self.textures: dict[int, ImageTexture | None] = {}
+        #: Surfaces whose places in their texture are missing or cannot be read.
+        self.unplaced = 0
 
     def colour(self, geometry: dict[str, Any], path: tuple[int, ...]) -> Colour | None:
         """Colour of a surface by its place in a geometry's boundaries: its texture's, else its material's, or None."""
@@ -110,11 +112,13 @@ class Appearance:
         self, geometry: dict[str, Any], path: tuple[int, ...], rings: Sequence[Sequence[int]]
     ) -> tuple[ImageTexture, dict[int, tuple[float, float]]] | None:
         """Texture of a surface and the places of its vertices in it; None if it has none for all of them."""
+        is_unplaced = False
         for theme in _themes(geometry, "texture"):
             values = _at(theme.get("values"), path)
             texture = self._texture(values)
-            if texture is None or not isinstance(values, list) or len(values) != len(rings):
+            if texture is None:
                 continue
+            is_unplaced = True
             places: dict[int, tuple[float, float]] = {}
             for ring, value in zip(rings, values):
                 found = self._ring_places(value)
@@ -122,6 +126,7 @@ class Appearance:
                     places.update(zip(ring, found))
             if all(vertex in places for ring in rings for vertex in ring):
                 return texture, places
+        self.unplaced += is_unplaced
         return None
 
     def _texture_colour(self, rings: object) -> Colour | None:

@@ -140,6 +140,10 @@ class CityBuildings:
                 read.missing_textures,
                 Message("{0:,} of {1:,} textures are missing: plain", read.missing_textures, read.textures),
             ),
+            (
+                read.unplaced_surfaces,
+                Message("{0:,} surfaces have one colour, as their texture is not placed", read.unplaced_surfaces),
+            ),
             (placed.raised, Message("{0:,} buildings are above the ground: their walls are longer", placed.raised)),
             (placed.sunk, Message("{0:,} buildings are below the ground", placed.sunk)),
             (

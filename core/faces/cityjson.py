@@ -75,8 +75,9 @@ class CityCounts:
     merged_vertices, broken_vertices, broken_objects, broken_semantics : int
         Vertices at one place, and those without coordinates; objects and geometries that cannot be read, and geometries
         whose semantics do not fit.
-    textures, missing_textures : int
-        Textures of surfaces, and those whose images are missing or cannot be read.
+    textures, missing_textures, unplaced_surfaces : int
+        Textures of surfaces, those whose images are missing or cannot be read, and surfaces whose places in their
+        texture are missing or cannot be read.
     examples : dict of str to list
         Names of some objects by the fault's name.
     """
@@ -104,6 +105,7 @@ class CityCounts:
     broken_semantics: int = 0
     textures: int = 0
     missing_textures: int = 0
+    unplaced_surfaces: int = 0
     examples: dict[str, list[str]] = field(default_factory=dict)
 
     def add(self, fault: str, name: str) -> None:
@@ -351,6 +353,7 @@ class _FacesReader:
         self.points.append(places)
         self._before += len(places)
         self.counts.textures += len(appearance.textures)
+        self.counts.unplaced_surfaces += appearance.unplaced
         self.counts.missing_textures += sum(one is None for one in appearance.textures.values())
 
     def _metres(self, places: Floats) -> Floats:

@@ -10035,6 +10035,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/faces/city_buildings.py"/>
+        <source>{0:,} surfaces have one colour, as their texture is not placed</source>
+        <translation>{0:,} superficies tienen un solo color, porque su textura no está situada</translation>
+    </message>
+    <message>
+        <location filename="../../core/faces/city_buildings.py"/>
         <source>{0:,} triangles are missing, as they lie far off</source>
         <translation>faltan {0:,} triángulos, pues quedan muy lejos</translation>
     </message>

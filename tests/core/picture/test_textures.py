@@ -178,8 +178,9 @@ def test_textures_whose_places_do_not_fit_are_one_colour(files):
     pixels = np.zeros((4, 4, 3), np.uint8)
     pixels[:2] = 200
     for places, rings in ((WHOLE, [[0, 0, 1, 2]]), ([*WHOLE[:3], ["x", 1.0]], [[0, 0, 1, 2, 3]])):
-        drawn, seen, at, _ = pictured(files, city(files, pixels, places, rings=rings))
+        drawn, seen, at, made = pictured(files, city(files, pixels, places, rings=rings))
         assert len(np.unique(drawn[south_wall(seen, at)], axis=0)) == 1
+        assert any("1 surfaces have one colour" in str(one) for one in made.relief.heights.faces.warnings)
 
 
 def test_faces_with_and_without_textures_are_joined_and_taken(files):
