@@ -87,6 +87,8 @@ KINDS = (
 )
 #: Layers of files that a mission names: their symbols follow what is in the files.
 OF_FILES = ("buildings", "labels")
+#: Opacities of their fills: the labels of a building's ground are to be seen below it.
+_OPACITIES = {"buildings": 50, "labels": 120}
 #: Largest number of kinds that have a symbol of their own.
 _MOST_KINDS = 100
 _GREY = "#808080"
@@ -114,23 +116,24 @@ def drawn_title(role: str, count: int, most: int) -> str:
     )
 
 
-def dress_kinds(layer: QgsVectorLayer, kinds: Sequence[tuple[str, str]]) -> None:
+def dress_kinds(layer: QgsVectorLayer, role: str, kinds: Sequence[tuple[str, str]]) -> None:
     """Give each kind of feature, by title and colour, a symbol and an entry of the legend; further kinds are grey."""
-    categories = [QgsRendererCategory(title, _symbol(colour), title) for title, colour in kinds[:_MOST_KINDS]]
+    opacity = _OPACITIES[role]
+    categories = [QgsRendererCategory(title, _symbol(colour, opacity), title) for title, colour in kinds[:_MOST_KINDS]]
     if len(kinds) > _MOST_KINDS:
         more = tr("{count} more classes").format(count=number_text(len(kinds) - _MOST_KINDS))
         # Without a value, it is for all others.
-        categories.append(QgsRendererCategory(None, _symbol(_GREY), more))
+        categories.append(QgsRendererCategory(None, _symbol(_GREY, opacity), more))
     layer.setRenderer(QgsCategorizedSymbolRenderer("kind", categories))
     layer.emitStyleChanged()
 
 
-def _symbol(colour: str) -> QgsFillSymbol:
-    """Translucent fill with an opaque outline."""
+def _symbol(colour: str, opacity: int) -> QgsFillSymbol:
+    """Translucent fill, of an opacity up to 255, with an opaque outline."""
     red, green, blue = bytes.fromhex(colour[1:])
     return QgsFillSymbol.createSimple(
         {
-            "color": f"{red},{green},{blue},110",
+            "color": f"{red},{green},{blue},{opacity}",
             "outline_color": f"{red},{green},{blue},255",
             "outline_width": "0.4",
             "outline_width_unit": "MM",

@@ -359,7 +359,7 @@ class Preview(QObject):
         if kinds != self._kinds.get(role):
             self._kinds[role] = kinds
             self._keep_styles([layer.id()])
-            dress_kinds(layer, kinds)
+            dress_kinds(layer, role, kinds)
 
     def _remove_layer(self, role: str) -> None:
         """Remove a layer that would be empty."""

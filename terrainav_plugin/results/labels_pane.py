@@ -124,5 +124,8 @@ def _entry_html(one: LegendEntry) -> str:
     """Square in the colour of a class, its name and share, kept on one line."""
     # White is not visible on most panels.
     square = "&#9633;" if one.colour == IGNORE_COLOUR else f"<span style='color:{one.colour}'>&#9632;</span>"
-    text = tr("{name} {share} %").format(name=one.name, share=number_text(100.0 * one.share, ".1f"))
+    percent = 100.0 * one.share
+    # A class that is there is not shown as 0.0 %.
+    share = number_text(percent, ".1f") if percent >= 0.05 else f"< {number_text(0.1, '.1f')}"
+    text = tr("{name} {share} %").format(name=one.name, share=share)
     return f"{square}&nbsp;" * bool(one.colour) + html.escape(text).replace(" ", "&nbsp;")

@@ -12,6 +12,8 @@ import pytest
 from qgis.core import QgsCategorizedSymbolRenderer, QgsProject
 from qgis.PyQt.QtWidgets import QLabel
 from terrainav.core.vectors import layer as layers
+from terrainav.terrainav_plugin import plan_features
+from terrainav.terrainav_plugin.preview import preview
 
 from tests.plugin.steps import COARSE_BOX
 
@@ -214,9 +216,6 @@ def test_the_preview_shows_labels_and_buildings(desk, fields, houses, screenshot
 
 
 def test_many_features_are_drawn_in_part_which_is_stated(desk, tmp_path, monkeypatch):
-    from terrainav.terrainav_plugin import plan_features
-    from terrainav.terrainav_plugin.preview import preview
-
     for module in (plan_features, preview):
         monkeypatch.setattr(module, "MOST_FEATURES", 6)
     shapes = [(polygon(square(column, row)), {}) for column in range(5) for row in range(5)]

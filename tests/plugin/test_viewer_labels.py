@@ -15,6 +15,8 @@ from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin.dataset.overlay import LabelOverlay, LegendEntry
+from terrainav.terrainav_plugin.results.labels_pane import _legend_html
 
 from tests.plugin.test_addresses import captured, frame_map, open_address, serve
 from tests.plugin.test_viewer import pixels
@@ -139,6 +141,15 @@ def test_classes_and_instances_lie_over_the_image(desk, viewing, fields, tmp_pat
     assert viewer.view.overlay is not None
     assert choose(desk, viewing, "") is None
     assert not pane.legend.isVisibleTo(pane)
+
+
+def test_classes_that_are_there_are_not_said_to_be_absent():
+    few = LabelOverlay(None, (LegendEntry("#ff0000", "a & b", 4e-4), LegendEntry("", "background", 0.9996)))
+    text = _legend_html(few, "classes")
+    assert "a&nbsp;&amp;&nbsp;b&nbsp;&lt;&nbsp;0.1&nbsp;%" in text
+    assert "background&nbsp;100.0&nbsp;%" in text
+    many = LabelOverlay(None, tuple(LegendEntry("#ff0000", str(at), 0.04) for at in range(25)))
+    assert _legend_html(many, "classes").endswith("and 5 more classes")
 
 
 def test_only_datasets_with_labels_offer_them_and_broken_files_say_so(desk, viewing, fields, tmp_path):
