@@ -236,7 +236,7 @@ class CityBuildings:
         plain = np.where((kind == ROOF)[:, None], roof, wall)
         colour = np.where(given < 0, plain, given).astype(np.uint8)
         corners = self._corners(faces.triangles[own], self._up_m[faces.triangles[own]] + raise_m)
-        found = [Triangles(corners, kind, faces.instance[own], colour, faces.shows_imagery[own], self._skin(own))]
+        found = [Triangles(corners, kind, faces.instance[own], colour, kind == ROOF, self._skin(own))]
         if len(feet):
             top = self._up_m[feet] + raise_m
             bottom = np.minimum(top, foot_m) - SKIRT_M

@@ -127,8 +127,8 @@ class CityFaces(NamedTuple):
         As in `Triangles`.
     colour : array (t, 3) of int16
         Colour that the file gives; -1 where it gives none.
-    on_ground, shows_imagery : array (t,) of bool
-        Undersides that stand on the ground, and roofs without others above them.
+    on_ground : array (t,) of bool
+        Undersides that stand on the ground.
     texture : array (t,) of int32
         Index of the texture; -1 without.
     texture_places : array (s, 3, 2)
@@ -143,7 +143,6 @@ class CityFaces(NamedTuple):
     instance: Numbers
     colour: NDArray[np.int16]
     on_ground: Flags
-    shows_imagery: Flags
     texture: NDArray[np.int32]
     texture_places: Floats
     feet: Numbers
@@ -618,7 +617,6 @@ def _faces(shells: list[_Shell], points: Floats, instance: int, before: int, has
         np.full(len(kind), instance, np.int64),
         np.concatenate([one.colour for one in shells]),
         stands,
-        (kind == ROOF) & ~_covered(corners, kind == ROOF),
         np.concatenate([one.texture for one in shells]),
         np.concatenate([one.texture_places for one in shells]),
         feet + before,
@@ -637,57 +635,3 @@ def _feet(triangles: Numbers, kind: NDArray[np.uint8], stands: Flags, corners: F
     lowest = np.unique(triangles[walls][corners[walls, :, 2] <= low + SKIRT_M])
     feet: Numbers = edges[np.isin(edges, lowest).all(axis=1)][:, ::-1]
     return feet
-
-
-def _covered(corners: Floats, is_roof: Flags) -> Flags:
-    """Which triangles (t, 3, 3) have a roof above some part of them."""
-    covered = np.zeros(len(corners), np.bool_)
-    roofs = np.flatnonzero(is_roof)
-    if len(roofs) < 2:
-        return covered
-    flat, height = corners[roofs, :, :2], corners[roofs, :, 2]
-    low, high = flat.min(axis=1), flat.max(axis=1)
-    for k, triangle in enumerate(roofs.tolist()):
-        near = (low < high[k]).all(axis=1) & (high > low[k]).all(axis=1) & (height.max(axis=1) > height[k].min())
-        near[k] = False
-        for other in np.flatnonzero(near).tolist():
-            if _lies_below(corners[triangle], corners[roofs[other]]):
-                covered[triangle] = True
-                break
-    return covered
-
-
-def _lies_below(one: Floats, other: Floats) -> bool:
-    """Whether part of a triangle (3, 3) lies below another, by more than a centimetre over a square centimetre."""
-    shape = one[:, :2] - one[0, :2]
-    clip = other[:, :2] - one[0, :2]
-    (ax, ay), (bx, by) = clip[1] - clip[0], clip[2] - clip[0]
-    turn = ax * by - ay * bx
-    if abs(turn) < 1e-9:
-        return False
-    points = [tuple(point) for point in shape.tolist()]
-    ring = clip.tolist() if turn > 0.0 else clip[::-1].tolist()
-    for (x0, y0), (x1, y1) in zip(ring, [*ring[1:], ring[0]]):
-        side = [(x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) for x, y in points]
-        kept = []
-        for k, (x, y) in enumerate(points):
-            (px, py), before = points[k - 1], side[k - 1]
-            if (side[k] > 0.0) != (before > 0.0):
-                t = before / (before - side[k])
-                kept.append((px + t * (x - px), py + t * (y - py)))
-            if side[k] > 0.0:
-                kept.append((x, y))
-        points = kept
-        if len(points) < 3:
-            return False
-    area = 0.5 * abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, [*points[1:], points[0]])))
-    middle = np.array(points).mean(axis=0) + one[0, :2]
-    return area > 1e-4 and _height(other, middle) > _height(one, middle) + 0.01
-
-
-def _height(triangle: Floats, place: Floats) -> float:
-    """Height of a triangle's plane at a place; infinitely low if it stands upright."""
-    normal = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
-    if abs(normal[2]) < 1e-9:
-        return -np.inf
-    return float(triangle[0, 2] - normal[:2] @ (place - triangle[0, :2]) / normal[2])

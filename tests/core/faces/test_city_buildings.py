@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 import pyproj
 import pytest
+from shapely.geometry import Polygon
 from terrainav.core.elevation.datum import Datum
 from terrainav.core.errors import InvalidInput
 from terrainav.core.faces.buildings import BuildingOptions, FootprintBuildings
 from terrainav.core.faces.city_buildings import CityBuildings
+from terrainav.core.faces.cityjson import read_city
 from terrainav.core.faces.opening import open_buildings, parse_city, whole_building_path
 from terrainav.core.faces.surfaces import is_closed
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -246,6 +248,29 @@ def test_bridges_have_no_walls_below(made):
     model = open_buildings(made(boxes(0.0), kind="Bridge"), Ground())
     triangles = everything(model)
     assert np.bincount(triangles.kind, minlength=4).tolist() == [0, 2, 8, 2]
+
+
+@pytest.mark.parametrize("is_one", [False, True])
+def test_roofs_below_others_show_no_imagery(made, is_one):
+    # A box, a smaller one that floats above its middle, and one that stands beside it, edge to edge.
+    small = [(EAST + 3 + x, NORTH + 9 + y, 28 + z) for z in (0, 2) for x, y in ((0, 0), (3, 0), (3, 3), (0, 3))]
+    vertices = [*boxes(20.0), *small, *boxes(24.0, x=EAST + 10)]
+    objects = {}
+    if is_one:
+        solids = [[[[[at + 8 * k for at in ring] for ring in face] for face in BOX]] for k in range(3)]
+        geometry = {"type": "MultiSolid", "lod": 2, "boundaries": solids}
+        objects = {"CityObjects": {"a": {"type": "Building", "geometry": [geometry]}}}
+    found = everything(CityBuildings(read_city(made(vertices, **objects)), Ground(slope=0.0), None, "file"))
+    lon, lat, up = geodetic(found)
+    east, north = pyproj.Transformer.from_crs(4326, UTM, always_xy=True).transform(lon, lat)
+    above = Polygon([(EAST + x, NORTH + y) for x, y in ((3, 9), (6, 9), (6, 12), (3, 12))])
+    roofs = np.flatnonzero(found.kind == ROOF)
+    assert len(roofs) == 6
+    for one in roofs.tolist():
+        overlap = Polygon(np.stack([east[one], north[one]], axis=1)).intersection(above).area
+        assert found.shows_imagery[one] == (up[one].max() > 28 or overlap < 0.01)
+    assert not found.shows_imagery[found.kind != ROOF].any()
+    assert (~found.shows_imagery[roofs]).sum() == 2
 
 
 def test_colours_are_plain_by_seed(made):

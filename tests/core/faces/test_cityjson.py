@@ -83,7 +83,6 @@ def test_box_is_a_closed_solid(read):
     assert model.points.min(axis=0).tolist() == [85000.0, 447000.0, 1.0]
     assert model.faces.on_ground.sum() == 2
     assert len(model.faces.feet) == 4
-    assert model.faces.shows_imagery.tolist() == (model.faces.kind == ROOF).tolist()
     assert model.counts.surfaces == 6
 
 
@@ -344,21 +343,6 @@ def test_cityjson_is_known_by_its_content(tmp_path):
         path.write_text(text)
         assert is_cityjson(str(path)) is is_so
     assert not is_cityjson(str(tmp_path))
-
-
-def test_roofs_below_others_show_no_imagery(read):
-    # A wide low box, and a narrow one that floats above half of it; a third stands beside them, edge to edge.
-    vertices = corners() + corners(2, 2, 8, 3, 3, 2) + corners(10, 0, 0, 5, 20, 9)
-    shells = [[BOX], [shifted(BOX, 8)], [shifted(BOX, 16)]]
-    model = read(city({"a": building(geometry("MultiSolid", shells))}, vertices))
-    roofs = model.faces.kind == ROOF
-    tops = model.points[model.faces.triangles][roofs][..., 2].max(axis=1)
-    shown = model.faces.shows_imagery[roofs]
-    assert shown[tops > 6.5].all()
-    low = model.points[model.faces.triangles][roofs][tops < 6.5]
-    above = Polygon([(85002, 447002), (85005, 447002), (85005, 447005), (85002, 447005)])
-    for triangle, is_shown in zip(low, shown[tops < 6.5].tolist()):
-        assert is_shown is (Polygon(triangle[:, :2]).intersection(above).area < 1e-6)
 
 
 def test_polygons_in_space_are_covered_exactly():
