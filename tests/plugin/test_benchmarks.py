@@ -115,6 +115,32 @@ def test_it_is_the_benchmark_that_the_core_makes(made, mission_file, tmp_path):
     assert any(line.startswith("0 images written") for line in again.lines)
 
 
+def test_buildings_of_the_reference_give_masks_and_figures(mission_file, tmp_path, without_matplotlib):
+    """Answers are the priors, and the judge renders the buildings there."""
+    mission = Mission.load(mission_file)
+    west, south, east, north = mission.area.bounds.edges_deg
+    lon, lat = np.meshgrid(np.linspace(west, east, 6), np.linspace(south, north, 6))
+    corners = ((0, 0), (1e-4, 0), (1e-4, 1e-4), (0, 1e-4), (0, 0))
+    features = [
+        {
+            "type": "Feature",
+            "geometry": {"type": "Polygon", "coordinates": [[[x + dx, y + dy] for dx, dy in corners]]},
+            "properties": {"height": 7},
+        }
+        for x, y in zip(lon.ravel().tolist(), lat.ravel().tolist())
+    ]
+    houses = tmp_path / "houses.geojson"
+    houses.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    mission.replace(elevation=("20",)).save(tmp_path / "level.json")
+    folder = tmp_path / "out"
+    asked = {"MISSION": str(tmp_path / "level.json"), "SPLIT": "none", "FOLDER": str(folder), "REFERENCE": "air=world"}
+    run("makebenchmark", **asked, QUERIES="air=world", REFERENCE_BUILDINGS=f" {houses} ;")
+    assert (folder / "reference" / "buildings" / houses.name).read_bytes() == houses.read_bytes()
+    found = run("scorebenchmark", BENCHMARK=str(folder), METHOD="prior", FOLDER=str(tmp_path / "scores"))
+    assert 0.0 < found["MASK_IOU"] < 1.0
+    assert 0.0 <= found["POSE_2"] <= found["POSE_3"] <= found["POSE_5"] <= 1.0
+
+
 def test_rasters_of_the_project_are_queries_and_reference(made, mission_file, tmp_path):
     """By their files; a layer that is none is drawn by QGIS."""
     path = made / Benchmark.read(made).mosaic.file
