@@ -27,6 +27,8 @@ from .triangulation import open_ring, triangulate
 WITH_HEIGHT, WITH_LEVELS, BY_DEFAULT, NO_BUILDING = range(4)
 #: Zoom of the Web-Mercator tiles, about 600 m wide, that are read at a time.
 _ZOOM = 16
+#: Most tiles that are read without asking first whether features reach into them.
+_FEW_TILES = 64
 #: Triangles kept in memory.
 _MOST_TRIANGLES = 2_000_000
 #: Share of an outline that its parts cover, from which they replace it.
@@ -158,7 +160,7 @@ class FootprintBuildings:
         west, east = float(np.min(lon_deg)), float(np.max(lon_deg))
         south, north = float(np.min(lat_deg)), float(np.max(lat_deg))
         (left, top), (right, bottom) = _tile_of(west, north), _tile_of(east, south)
-        inside = [(x, y) for x in range(left, right + 1) for y in range(top, bottom + 1)]
+        inside = self._tiles_with_features(left, top, right, bottom)
         owners = sorted(set(inside).union(*(self._tile(*one).owners for one in inside)))
         found = []
         for one in owners:
@@ -167,6 +169,22 @@ class FootprintBuildings:
             meets = (w <= east) & (e >= west) & (s <= north) & (n >= south) & (tile.size_m >= least_m)
             found.append(tile.triangles if meets.all() else tile.triangles.take(np.flatnonzero(meets)))
         return Triangles.joined(found)
+
+    def _tiles_with_features(self, left: int, top: int, right: int, bottom: int) -> list[tuple[int, int]]:
+        """Tiles of a range; of large ones, towards the horizon, without parts that no feature reaches into."""
+        across, down = right - left + 1, bottom - top + 1
+        if across * down <= _FEW_TILES:
+            return [(x, y) for x in range(left, right + 1) for y in range(top, bottom + 1)]
+        (west, _, _, north), (_, south, east, _) = _tile_box(left, top), _tile_box(right, bottom)
+        if not self._layer.count_in(west, south, east, north):
+            return []
+        if across >= down:
+            middle = left + across // 2
+            parts = (left, top, middle - 1, bottom), (middle, top, right, bottom)
+        else:
+            middle = top + down // 2
+            parts = (left, top, right, middle - 1), (left, middle, right, bottom)
+        return [tile for part in parts for tile in self._tiles_with_features(*part)]
 
     def survey(
         self, west_deg: float, south_deg: float, east_deg: float, north_deg: float, most: int = -1

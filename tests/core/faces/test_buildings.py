@@ -167,6 +167,22 @@ def test_no_gap_between_walls_and_the_slope(size_m):
     assert heights.max() == pytest.approx(ground.min() + 9, abs=1e-3)
 
 
+def test_a_box_to_the_horizon_reads_only_tiles_with_buildings():
+    """An oblique image asks for 100 km around, of which the file covers a kilometre."""
+
+    class Counted(Layer):
+        def count_in(self, *box):
+            return len(self.features(*box).number)
+
+    layer = Counted([(0, 0, 20, 10), (900, 700, 930, 720), (-40_000, 0, -39_980, 20)], height=(5, 6, 7))
+    model = FootprintBuildings(layer, Ground())
+    far = 50_000 * M
+    found = model.triangles(np.array([LAT - far, LAT + far]), np.array([LON - far, LON + far]))
+    assert set(found.instance.tolist()) == {1, 2, 3}
+    # Where ranges of tiles meet, a building reaches into up to four; there are 29,000 tiles in all.
+    assert len(model._tiles) <= 3 * 4 * buildings._FEW_TILES
+
+
 @pytest.mark.real_data
 def test_footprints_of_washington(tmp_path):
     path = Path(__file__).resolve().parents[4] / "shared" / "data" / "elevation" / "buildings.geojson"
