@@ -35,11 +35,10 @@ from terrainav.core.faces.opening import open_buildings
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.local import enu_axes, geocentric
+from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.faces import face_hits
 from terrainav.core.geodesy.raytracing.tracing import ElevationModel, Tracing
 from terrainav.core.geodesy.triangles import RELIEF, FaceModel
-from terrainav.core.world.houses import WorldHouses
-from terrainav.core.world.lattice import chart_seed
 
 TILTS, YAW_DEG, SIZE, TOLERANCE_PX = (0.0, 45.0, 60.0, 75.0), 30.0, (320, 240), 0.02
 CAMERA = Camera(78.8, SIZE[0] / SIZE[1])
@@ -117,7 +116,10 @@ def helsinki(data: Path, _: Path) -> Scene:
 
 def world(_: Path, __: Path) -> Scene:
     """The houses of the embedded landscape on its ground."""
-    return Scene("synthetic world", WorldHouses(chart_seed(2024)), open_relief(["world"]), 46.95, 7.45)
+    relief = open_relief(["world"])
+    # A tile of zoom 19 in a town.
+    lat, lon = PixelGrid().plane.inverse(np.array([131253.5 / 2.0**19]), np.array([207446.5 / 2.0**19]))
+    return Scene("synthetic world", relief.faces, relief, float(lat[0]), float(lon[0]))
 
 
 def slope(_: Path, folder: Path) -> Scene:
