@@ -75,10 +75,13 @@ from terrainav.core.geodesy.local import geodetic
 from terrainav.core.geodesy.triangles import ROOF
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
+from terrainav.core.mission.areas.area import Points
+from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import Imagery
+from terrainav.core.mission.relief.roofed import seen_surface
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.world.houses import WorldHouses
 from terrainav.core.world.lattice import chart_seed
-from terrainav.core.world.source import WorldHeights
 from terrainav.terrainav_plugin.form.mission_form import FormState
 from terrainav.terrainav_plugin.panel.options_page import OptionsPage
 from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
@@ -849,26 +852,19 @@ def hilly(surface: Path, ground: Path) -> None:
 
 
 def world_surface(path: Path) -> None:
-    """Write the heights of the embedded world's town, buildings and trees included, in UTM at 0.5 m per pixel."""
+    """Write the heights of the embedded world's town, with its roofs and trees, in UTM at 0.5 m per pixel."""
     lat, lon = TOWN_PLACE
-    with closing(WorldHeights()) as heights:
-        zoom, side = 18, 1024
-        u, v = (float(at[0]) for at in heights.grid.plane.forward(np.array([lat]), np.array([lon])))
-        world = heights.grid.world_px(zoom)
-        left, top = int(u * world) - side // 2, int(v * world) - side // 2
-        pixels = np.zeros((side, side), np.float32)
-        for part in heights.parts(Window(zoom, left, top, side, side)):
-            tile = part.window
-            row, column = max(int(tile.top_px) - top, 0), max(int(tile.left_px) - left, 0)
-            skip_row, skip_column = max(top - int(tile.top_px), 0), max(left - int(tile.left_px), 0)
-            some = heights.fetch("", tile)[skip_row:, skip_column:, 0][: side - row, : side - column]
-            pixels[row : row + some.shape[0], column : column + some.shape[1]] = some
-        size_m, _ = heights.grid.pixel_size(zoom)
-    made = gdal.GetDriverByName("MEM").Create("", side, side, 1, gdal.GDT_Float32)
+    mission = Mission(Points(((lat, lon, 60.0),)), 60.0, elevation=("world",))
+    around = np.array([lat - 0.0025, lat + 0.0025]), np.array([lon - 0.003, lon + 0.003])
+    surface = seen_surface(mission_heights(mission)).surface(*around)
+    rows, columns = surface.heights_m.shape
+    size_m, _ = surface.grid.pixel_size(surface.zoom)
+    half = surface.grid.world_px(surface.zoom) / 2.0
+    made = gdal.GetDriverByName("MEM").Create("", columns, rows, 1, gdal.GDT_Float32)
     made.SetProjection(QgsCoordinateReferenceSystem("EPSG:3857").toWkt())
-    half = heights.grid.world_px(zoom) / 2.0
-    made.SetGeoTransform(((left - half) * size_m, size_m, 0.0, (half - top) * size_m, 0.0, -size_m))
-    made.GetRasterBand(1).WriteArray(pixels)
+    west, north = (surface.left_px - half) * size_m, (half - surface.top_px) * size_m
+    made.SetGeoTransform((west, size_m, 0.0, north, 0.0, -size_m))
+    made.GetRasterBand(1).WriteArray(surface.heights_m)
     gdal.Warp(str(path), made, dstSRS="EPSG:32616", xRes=0.5, yRes=0.5, resampleAlg="bilinear", dstNodata=-9999)
 
 
