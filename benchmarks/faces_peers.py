@@ -129,7 +129,7 @@ def slope(_: Path, folder: Path) -> Scene:
     west, north, cell, side = 500_000.0, 5_200_000.0, 2.0, 400
     x, y = np.meshgrid(np.arange(side) * cell, np.arange(side) * cell)
     heights = 300.0 + 0.7 * y + 5.0 * np.sin(x / 30.0)
-    at = rasterio.transform.from_origin(west, north, cell, cell)
+    at = rasterio.Affine(cell, 0.0, west, 0.0, -cell, north)
     profile = {"driver": "GTiff", "width": side, "height": side, "count": 1, "dtype": "float32", "crs": "EPSG:32632"}
     with rasterio.open(folder / "slope.tif", "w", transform=at, **profile) as file:
         file.write(heights.astype(np.float32), 1)
