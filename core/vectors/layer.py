@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any
 
 from ..errors import InvalidInput, Message
 from ..imagery.cache.tile_cache import default_folder
-from ..storage.files import make_folder, partial_file
+from ..storage.files import lock_tried, make_folder, partial_file
 from ..waiting import check_cancelled, report_progress
 from .features import Features
 from .index import count_rows, read_about, read_rows, read_values, unpack, write_index
@@ -110,6 +111,7 @@ class VectorLayer:
                     field,
                     self.title,
                     MAX_VALUES,
+                    remedy="choose a field with fewer values, or none and tell features apart by the product instances",
                 )
         return counts
 
@@ -157,7 +159,7 @@ def open_layer(path: str, layer: str = "", *, index_dir: Path | None = None) -> 
     folder = index_dir if index_dir is not None else default_folder() / "vectors"
     target = folder / f"{_fingerprint(file, layer)}.sqlite"
     if not target.is_file():
-        with _one_at_a_time():
+        with _alone(target):
             if not target.is_file():
                 _write(target, path, layer)
     about = read_about(target)
@@ -175,12 +177,19 @@ def open_layer(path: str, layer: str = "", *, index_dir: Path | None = None) -> 
 
 
 @contextlib.contextmanager
-def _one_at_a_time() -> Iterator[None]:
-    """Let one thread write an index, as another may need the same; raises Cancelled from the wait."""
+def _alone(target: Path) -> Iterator[None]:
+    """Let one thread of one process write an index, as others may need the same; raises Cancelled from the wait."""
+    make_folder(target.parent)
     while not _INDEXING.acquire(timeout=0.1):
         check_cancelled()
     try:
-        yield
+        while True:
+            with lock_tried(target.parent.with_suffix(".lock")) as held:
+                if held:
+                    yield
+                    return
+            check_cancelled()
+            time.sleep(0.1)
     finally:
         _INDEXING.release()
 
@@ -196,7 +205,6 @@ def _write(target: Path, path: str, layer: str) -> None:
             source.layer,
             file,
         )
-    make_folder(target.parent)
     written: dict[str, Any] = {
         "title": source.layer,
         "fields": source.fields,

@@ -91,3 +91,26 @@ def _virtual_file(case: Case) -> None:
     )
     case.refused(lambda: open_layer(str(virtual), index_dir=case.tmp_path))
     case.follow("name these", lambda: open_layer(str(path), index_dir=case.tmp_path))
+
+
+@remedy(
+    "vectors/layer.py",
+    "field {} of {}: more than {} distinct values, which 16 bits cannot hold; choose a field with fewer values, or "
+    "none and tell features apart by the product instances",
+)
+def _too_many_values(case: Case) -> None:
+    square = [[[7.0, 46.0], [7.1, 46.0], [7.1, 46.1], [7.0, 46.0]]]
+    features = [
+        {
+            "type": "Feature",
+            "geometry": {"type": "Polygon", "coordinates": square},
+            "properties": {"name": f"field {number}", "crop": "maize"},
+        }
+        for number in range(65_536)
+    ]
+    path = case.tmp_path / "fields.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}), encoding="utf-8")
+    layer = open_layer(str(path), index_dir=case.tmp_path / "index")
+    case.refused(lambda: layer.values("name"))
+    case.follow("choose a field with fewer values", lambda: layer.values("crop"))
+    case.follow("none and tell features apart by the product instances", lambda: table_of("", {}))

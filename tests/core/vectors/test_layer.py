@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from terrainav.core.errors import Cancelled, InvalidInput
+from terrainav.core.storage.files import PARTIAL_ENDING, lock_tried
 from terrainav.core.vectors import index, reading
 from terrainav.core.vectors import layer as layers
 from terrainav.core.vectors.features import LINE, POINT, POLYGON
@@ -295,6 +296,20 @@ def test_threads_that_need_one_index_write_it_once(tmp_path, monkeypatch):
     with layers._INDEXING, pytest.raises(Cancelled), cancellable(lambda: True), reporting(said.append):
         open_layer(squares(tmp_path / "other.geojson", 3), index_dir=tmp_path / "index")
     assert said == []
+
+
+def test_an_index_that_another_process_writes_is_waited_for(tmp_path):
+    path = squares(tmp_path / "roofs.geojson", 3)
+    made = open_layer(path, index_dir=tmp_path / "index").index
+    made.unlink()
+    partial = made.with_name(made.name + PARTIAL_ENDING)
+    partial.write_bytes(b"half")
+    # Locks of files exclude other files opened in the same process, too.
+    with lock_tried(tmp_path / "index.lock"), pytest.raises(Cancelled), cancellable(lambda: True):
+        open_layer(path, index_dir=tmp_path / "index")
+    assert partial.read_bytes() == b"half"
+    assert open_layer(path, index_dir=tmp_path / "index").index == made
+    assert not partial.exists()
 
 
 def test_files_of_other_programs_beside_a_layer_leave_its_index_as_it_is(tmp_path):
