@@ -15,7 +15,7 @@ from osgeo import gdal
 from PIL import Image
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
-from terrainav.core.errors import InvalidInput
+from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.labels.label_map import LabelLayer
@@ -214,3 +214,28 @@ def test_an_empty_field_and_too_many_classes_are_refused(tmp_path, layers):
     with pytest.raises(InvalidInput, match="labels of 70,000 classes: files of 16 bits hold 65,534"):
         captured(tmp_path / "out", ("fields.gpkg:each",))
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("changed", "name"),
+    [
+        (lambda shapes: {"crop": [("oats", "barley", None)[at % 3] for at in range(len(shapes))]}, "classes.json"),
+        (lambda shapes: {"crop": [("rye", "oats", None)[at % 3] for at in range(len(shapes))]}, "instances.csv"),
+    ],
+)
+def test_a_capture_is_not_resumed_with_labels_that_have_changed(tmp_path, layers, changed, name):
+    folder = tmp_path / "out"
+    made = captured(folder)
+    (folder / "satellite" / f"{made.names[0]}.tif").unlink()
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    kept, shapes = layers["fields.gpkg"], fields()
+    layers["fields.gpkg"] = ShapelyLayer(shapes, **changed(shapes))
+    opening._opened.cache_clear()
+    with pytest.raises(OutputError, match=f"its {name} is of other labels"):
+        captured(folder)
+    assert {path: path.read_bytes() for path in before} == before
+    layers["fields.gpkg"] = kept
+    opening._opened.cache_clear()
+    captured(folder)
+    assert (folder / "satellite" / f"{made.names[0]}.tif").is_file()
+    assert (folder / "classes.json").read_bytes() == before[folder / "classes.json"]

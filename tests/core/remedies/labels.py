@@ -7,6 +7,7 @@ import json
 import numpy as np
 from osgeo import ogr, osr
 from shapely.geometry import box
+from terrainav.core.capture.labels import write_label_tables
 from terrainav.core.labels.classes import class_table
 from terrainav.core.labels.label_map import GroundBox, LabelLayer, LabelMap
 from terrainav.core.labels.pieces import DegreePlane
@@ -114,3 +115,21 @@ def _too_many_values(case: Case) -> None:
     case.refused(lambda: layer.values("name"))
     case.follow("choose a field with fewer values", lambda: layer.values("crop"))
     case.follow("none and tell features apart by the product instances", lambda: table_of("", {}))
+
+
+@remedy(
+    "capture/labels.py",
+    "folder {}: its {} is of other labels, as layers have changed since its images were made; choose another folder, "
+    "or restore the layers",
+)
+def _other_labels(case: Case) -> None:
+    def write(folder: str, *crops: str) -> None:
+        crops_of = {"crop": crops}
+        labels = LabelMap([LabelLayer(ShapelyLayer(SQUARES, **crops_of), "fields", "crop")])
+        (case.tmp_path / folder).mkdir(exist_ok=True)
+        write_label_tables(labels, case.tmp_path / folder, "png")
+
+    write("out", "maize", "wheat")
+    case.refused(lambda: write("out", "maize", "oats"))
+    case.follow("restore the layers", lambda: write("out", "maize", "wheat"))
+    case.follow("choose another folder", lambda: write("other", "maize", "oats"))
