@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -174,8 +175,13 @@ def _numbered(found: set[Any], named: Mapping[str, Mapping[str, Any]]) -> tuple[
         ids = {value: number for number, value in enumerate(sorted(found, key=_order), 1)}
     if len(ids) > MOST_IN_16_BITS:
         raise too_many(len(ids))
-    for value in ids:
-        ids[value] = named.get(str(value), {}).get("id", ids[value])
+    stated = {value: named[str(value)]["id"] for value in ids if "id" in named.get(str(value), {})}
+    if any(value != number for value, number in ids.items()):
+        # Numbers that the side file gives others are passed over, so that no value falls into another's class.
+        taken = set(stated.values())
+        free = (number for number in count(len(ids) + 1) if number not in taken)
+        ids = {value: next(free) if number in taken else number for value, number in ids.items()}
+    ids.update(stated)
     names: dict[int, str] = {}
     for value, number in ids.items():
         # Values that a side file gives one id are one class, of the first's name.

@@ -18,6 +18,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.triangles import RELIEF, ROOF, WALL
 from terrainav.core.imagery.opening import named_source
+from terrainav.core.labels.classes import LayerValues, class_table
 from terrainav.core.labels.label_map import LabelLayer
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
@@ -150,6 +151,20 @@ def test_a_side_file_gives_values_ids_names_and_colours(tmp_path):
     table = json.loads((tmp_path / "out" / "classes.json").read_text())
     assert [(one["id"], one["name"]) for one in table["classes"]] == [(1, "oats"), (7, "Winter rye")]
     assert table["classes"][1]["color"] == "#123456"
+
+
+def test_values_that_a_side_file_does_not_name_have_ids_of_their_own():
+    counts = dict.fromkeys(("barley", "oats", "rye", "wheat"), 1)
+    named = {"barley": {"id": 3, "name": "Spring barley"}, "rye": {"id": 5}}
+    table = class_table([LayerValues("fields", "crop", counts, named)])
+    assert dict(table.values[0]) == {"barley": 3, "oats": 2, "rye": 5, "wheat": 4}
+    # The third's own number is the first's.
+    table = class_table([LayerValues("fields", "crop", counts, {"barley": {"id": 3, "name": "Spring barley"}})])
+    assert dict(table.values[0]) == {"barley": 3, "oats": 2, "rye": 5, "wheat": 4}
+    assert [one.name for one in table.classes] == ["oats", "Spring barley", "wheat", "rye"]
+    # Whole numbers are ids themselves: a side file may join them.
+    table = class_table([LayerValues("fields", "crop", {1: 1, 2: 1}, {"1": {"id": 2}})])
+    assert dict(table.values[0]) == {1: 2, 2: 2}
 
 
 @pytest.mark.parametrize(
