@@ -496,6 +496,7 @@ def _run(
     needed = shared_requests([(sources[name], _requests(one)) for name, one in plans.items()])
     for (name, planned), requests in zip(plans.items(), needed):
         _check_terms(planned, sources[name], requests, arguments.accept_terms)
+    _print_left_out(next(iter(plans.values())))
     bar = Bar(arguments.quiet)
     options: Any = {
         "connections": values["connections"],
@@ -526,6 +527,27 @@ def _run(
                 file=sys.stderr,
             )
     return result
+
+
+def _print_left_out(planned: Plan) -> None:
+    """Print the numbers of features of labels that were repaired, left out, or have no value."""
+    from ..capture.labels import open_labels
+
+    labels = open_labels(planned)
+    if labels is None:
+        return
+    for layer in labels.layers:
+        source = layer.source
+        for count, what in (
+            (source.repaired, "features repaired, as they cross themselves"),
+            (source.dropped, "features left out, as they are empty or have no area or length"),
+        ):
+            if count:
+                print(printable(f"labels {layer.name}: {what}: {count:,}"), file=sys.stderr)
+    if labels.classes.unlabelled:
+        print(
+            f"labels: features without a value, whose pixels are ignore: {labels.classes.unlabelled:,}", file=sys.stderr
+        )
 
 
 def _print_result(result: CaptureResult, as_json: bool) -> None:

@@ -41,6 +41,14 @@ class LabelSource(Protocol):
     def fields(self) -> tuple[str, ...]:
         """Names of fields."""
 
+    @property
+    def repaired(self) -> int:
+        """Number of features that were repaired."""
+
+    @property
+    def dropped(self) -> int:
+        """Number of features that were left out."""
+
     def features(
         self, west_deg: float, south_deg: float, east_deg: float, north_deg: float, fields: Sequence[str] = ()
     ) -> Features:

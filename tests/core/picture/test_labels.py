@@ -14,6 +14,7 @@ import shapely
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.labels import write_label_tables
 from terrainav.core.capture.runner import capture
+from terrainav.core.cli import main
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.triangles import RELIEF, ROOF, WALL
@@ -151,6 +152,27 @@ def test_a_side_file_gives_values_ids_names_and_colours(tmp_path):
     table = json.loads((tmp_path / "out" / "classes.json").read_text())
     assert [(one["id"], one["name"]) for one in table["classes"]] == [(1, "oats"), (7, "Winter rye")]
     assert table["classes"][1]["color"] == "#123456"
+
+
+def test_the_command_states_what_of_labels_was_repaired_left_out_or_has_no_value(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("TERRAINAV_CACHE", str(tmp_path / "cache"))
+    rings = [
+        [[-89.901, 35.150], [-89.891, 35.160], [-89.891, 35.150], [-89.901, 35.160], [-89.901, 35.150]],
+        [[-89.901, 35.150], [-89.891, 35.150], [-89.901, 35.150]],
+        [[-89.911, 35.150], [-89.901, 35.150], [-89.901, 35.160], [-89.911, 35.150]],
+    ]
+    features = [
+        {"type": "Feature", "properties": {"crop": crop}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+        for crop, ring in zip(("oats", "rye", None), rings)
+    ]
+    path = tmp_path / "fields.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    where = ["--coords", "35.155_-89.896_100", "--source", "world", "--image-px", "64"]
+    assert main(["capture", *where, "--labels", f"{path}:crop", "--data-dir", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr().err.splitlines()
+    assert "labels fields: features repaired, as they cross themselves: 1" in said
+    assert "labels fields: features left out, as they are empty or have no area or length: 1" in said
+    assert "labels: features without a value, whose pixels are ignore: 1" in said
 
 
 def test_values_that_a_side_file_does_not_name_have_ids_of_their_own():
