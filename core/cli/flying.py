@@ -497,6 +497,7 @@ def _run(
     for (name, planned), requests in zip(plans.items(), needed):
         _check_terms(planned, sources[name], requests, arguments.accept_terms)
     _print_left_out(next(iter(plans.values())))
+    _print_unread(next(iter(plans.values())))
     bar = Bar(arguments.quiet)
     options: Any = {
         "connections": values["connections"],
@@ -548,6 +549,32 @@ def _print_left_out(planned: Plan) -> None:
         print(
             f"labels: features without a value, whose pixels are ignore: {labels.classes.unlabelled:,}", file=sys.stderr
         )
+
+
+def _print_unread(planned: Plan) -> None:
+    """Print what of the buildings in view could not be read or placed."""
+    from ..faces.buildings import FootprintBuildings
+
+    if planned.relief.is_level:
+        return
+    faces = planned.relief.heights.faces
+    for model in getattr(faces, "models", (faces,)):
+        if not isinstance(model, FootprintBuildings):
+            continue
+        counts = model.counts
+        unread = [
+            (count, f"values of {name} that cannot be read, such as {counts.examples[name][0]!r}")
+            for name, count in sorted(counts.unread.items())
+        ]
+        for count, what in (
+            (counts.by_default, f"buildings without height, {model.options.default_height_m:g} m instead"),
+            (counts.without_ground, "buildings left out, as there is no ground below"),
+            (counts.not_solid, "buildings left out, as they have no area"),
+            (sum(counts.unknown_roofs.values()), "buildings with unknown shapes of roofs"),
+            *unread,
+        ):
+            if count:
+                print(printable(f"buildings {model.title}: {what}: {count:,}"), file=sys.stderr)
 
 
 def _print_result(result: CaptureResult, as_json: bool) -> None:
