@@ -384,8 +384,10 @@ class FootprintBuildings:
             return None
         is_count = "level" in name or name == "roof:angle"
         number = read_number(value) if is_count else read_length_m(value)
-        if number is None:
+        most = _HIGHEST_M / LEVEL_M if "level" in name else _HIGHEST_M
+        if number is None or abs(number) > most:
             self.counts.add_unread(name, value)
+            return None
         return number
 
 

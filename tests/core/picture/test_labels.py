@@ -179,7 +179,11 @@ def test_the_command_states_what_of_buildings_cannot_be_read(tmp_path, monkeypat
     monkeypatch.setenv("TERRAINAV_CACHE", str(tmp_path / "cache"))
     features = [
         {"type": "Feature", "properties": values, "geometry": {"type": "Polygon", "coordinates": [ring]}}
-        for west, values in ((-89.8962, {"height": "abc"}), (-89.8960, {"height": "9 m", "roof:shape": "9.0"}))
+        for west, values in (
+            (-89.8962, {"height": "abc"}),
+            (-89.8960, {"height": "9 m", "roof:shape": "9.0"}),
+            (-89.8958, {"height": 1e9}),
+        )
         for ring in [[[west, 35.155], [west + 1e-4, 35.155], [west + 1e-4, 35.1551], [west, 35.155]]]
     ]
     path = tmp_path / "houses.geojson"
@@ -187,9 +191,9 @@ def test_the_command_states_what_of_buildings_cannot_be_read(tmp_path, monkeypat
     where = ["--coords", "35.155_-89.896_100", "--source", "world", "--image-px", "64", "--elevation", "60"]
     assert main(["capture", *where, "--buildings", str(path), "--data-dir", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().err.splitlines()
-    assert "buildings houses: buildings without height, 6 m instead: 1" in said
+    assert "buildings houses: buildings without height, 6 m instead: 2" in said
     assert "buildings houses: buildings with unknown shapes of roofs: 1" in said
-    assert "buildings houses: values of height that cannot be read, such as 'abc': 1" in said
+    assert "buildings houses: values of height that cannot be read, such as 'abc': 2" in said
 
 
 def test_values_that_a_side_file_does_not_name_have_ids_of_their_own():
