@@ -8901,6 +8901,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>diario {0}: no está abierto</translation>
     </message>
     <message>
+        <location filename="../../core/capture/labels.py"/>
+        <source>choose another folder, or restore the layers</source>
+        <translation>elija otra carpeta o restaure las capas</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/labels.py"/>
+        <source>folder {0}: its {1} is of other labels, as layers have changed since its images were made</source>
+        <translation>carpeta {0}: su {1} es de otras etiquetas, pues las capas han cambiado desde que se hicieron sus imágenes</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/making.py"/>
         <source>image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}</source>
         <translation>formato de imagen {0}: tiene gris, o rojo, verde y azul de 8 bits, y {1} da {2}</translation>
@@ -11942,6 +11952,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/labels/classes.py"/>
+        <location filename="../../core/vectors/layer.py"/>
         <source>choose a field with fewer values, or none and tell features apart by the product instances</source>
         <translation>elija un campo con menos valores, o ninguno y distinga los objetos por el producto instances</translation>
     </message>
