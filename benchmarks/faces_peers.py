@@ -10,8 +10,9 @@ slope of 35 degrees, need none.
 
 Embree gets the triangles of TerrAInav's buildings, and the relief as triangles of a fourth of a cell, in metres east,
 north and up of the camera: PROJ puts the relief there. A pixel is compared where 16 of Embree's rays around it, at 0.5
-px, hit the same triangle as that through its centre, or all the relief, or all nothing. Where triangles lie on top of
-each other, either may be seen: such pixels count as ties.
+px, hit the same triangle as that through its centre, or all the relief, or all nothing, and where none of 16 at 2 px
+passes an outline of relief before triangles: TerrAInav averages heights to the size of pixels, which moves it. Where
+triangles lie on top of each other, either may be seen: such pixels count as ties.
 
 Triangles of the relief are not its bilinear patches: depths of the relief are compared by `relief_peers.py`.
 """
@@ -44,8 +45,10 @@ TILTS, YAW_DEG, SIZE, TOLERANCE_PX = (0.0, 45.0, 60.0, 75.0), 30.0, (320, 240), 
 CAMERA = Camera(78.8, SIZE[0] / SIZE[1])
 #: Metres that the scene reaches from its middle, and vertices of the relief along a side, at most.
 REACH_M, MOST_VERTICES = 700.0, 1_200
-#: Least distance of compared pixels from edges, and rays that look for these.
-EDGE_PX, AROUND = 0.5, 16
+#: Least distances of compared pixels from edges and from outlines of the relief, and rays that look for these.
+EDGE_PX, OUTLINE_PX, AROUND = 0.5, 2.0, 16
+#: Least distance of a triangle behind relief, as a share of its depth, for an outline of the relief.
+BEHIND = 1e-3
 #: Depths of two triangles that lie on top of each other differ by Embree's single precision.
 TIE, DEPTH = 1e-6, 1e-4
 FACES, GROUND, SKY = 0, 1, -1
@@ -233,6 +236,10 @@ class Picture:
         for turn in np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False):
             other, its, _ = met((EDGE_PX * np.cos(turn), EDGE_PX * np.sin(turn)))
             is_far &= (other == what) & (its == triangle)
+            other, _, nearer = met((OUTLINE_PX * np.cos(turn), OUTLINE_PX * np.sin(turn)))
+            before = (what == FACES) & (other == GROUND) & (nearer < depth * (1.0 - BEHIND))
+            behind = (what == GROUND) & (other == FACES) & (depth < nearer * (1.0 - BEHIND))
+            is_far &= ~(before | behind)
         return what, triangle, depth.astype(np.float64), is_far
 
     def compared(self) -> Compared:
