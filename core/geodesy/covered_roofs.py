@@ -12,6 +12,10 @@ from .triangles import ROOF, WALL, Triangles
 
 #: Side of the cells by which triangles above each other are searched for, metres.
 _CELL_M = 16.0
+#: Triangles of a cell from which its roofs count as covered: their pairs would fill the memory.
+_MOST_IN_CELL = 4096
+#: Pairs compared at once.
+_BATCH = 1 << 16
 #: How far two triangles overlap, and one lies above the other, to count: neighbours share edges.
 _LEAST_M = 0.02
 
@@ -37,7 +41,7 @@ def with_covered(triangles: Triangles, group: Numbers) -> Triangles:
     # Three corners compared are several times as fast as a reduction of rows of three.
     first, second, third = corners[:, 0], corners[:, 1], corners[:, 2]
     low, high = (end(end(first, second), third) for end in (np.minimum, np.maximum))
-    one, other = _pairs(low, high, lower)
+    one, other, crowded = _pairs(low, high, lower)
     # Overlapping boxes, of which the other's is not all beneath.
     near = (group[one] != group[other]) & (high[other, 2] > low[one, 2] + _LEAST_M)
     near &= (np.minimum(high[one, :2], high[other, :2]) - np.maximum(low[one, :2], low[other, :2]) > _LEAST_M).all(
@@ -45,12 +49,18 @@ def with_covered(triangles: Triangles, group: Numbers) -> Triangles:
     )
     one, other = one[near], other[near]
     shows = triangles.shows_imagery.copy()
-    shows[level[one[_is_above(corners[one], corners[other])]]] = False
+    shows[level[crowded]] = False
+    for begin in range(0, len(one), _BATCH):
+        some = slice(begin, begin + _BATCH)
+        shows[level[one[some][_is_above(corners[one[some]], corners[other[some]])]]] = False
     return replace(triangles, shows_imagery=shows)
 
 
-def _pairs(low: Floats, high: Floats, lower: Numbers) -> tuple[Numbers, Numbers]:
-    """Pairs of one of the triangles ``lower`` and any triangle whose boxes share a cell; each pair once."""
+def _pairs(low: Floats, high: Floats, lower: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+    """Pairs of one of the triangles ``lower`` and any triangle whose boxes share a cell; each pair once.
+
+    Those of ``lower`` in a crowded cell are in no pair, and returned by themselves.
+    """
     first, last = (np.floor(at[:, :2] / _CELL_M).astype(np.int64) for at in (low, high))
     size = last - first + 1
     stride = int(last[:, 1].max()) + 2 - int(first[:, 1].min())
@@ -65,9 +75,10 @@ def _pairs(low: Floats, high: Floats, lower: Numbers) -> tuple[Numbers, Numbers]
     order = np.argsort(other_cell, kind="stable")
     other, other_cell = other[order], other_cell[order]
     begin, end = (np.searchsorted(other_cell, one_cell, side) for side in ("left", "right"))
-    at, number = expand_counts(end - begin)
+    is_crowded = end - begin > _MOST_IN_CELL
+    at, number = expand_counts(np.where(is_crowded, 0, end - begin))
     pairs = np.unique(one[at] * np.int64(len(low)) + other[begin[at] + number])
-    return pairs // len(low), pairs % len(low)
+    return pairs // len(low), pairs % len(low), np.unique(one[is_crowded])
 
 
 def _is_above(one: Floats, other: Floats) -> Flags:

@@ -88,3 +88,12 @@ def test_a_roof_of_one_file_is_covered_by_a_bridge_of_another(reverse):
     assert not found.shows_imagery[tops & ~upper].any()
     apart = joined_faces([low, Boxes([(50.0, 5.0, 4.0, 4.0, 0.0, 30.0)])]).triangles(*around)
     assert np.array_equal(apart.shows_imagery, apart.kind == ROOF)
+
+
+def test_heaps_of_roofs_count_as_covered_without_comparing_each_with_each():
+    rng = np.random.default_rng(1)
+    heap = rng.uniform(0.0, 4.0, (50_000, 3, 3))
+    apart = [[[100, 0, 5], [110, 0, 5], [100, 10, 5]]]
+    found = with_covered(roofs(np.concatenate([heap, apart])), np.arange(50_001)).shows_imagery
+    assert found[-1]
+    assert not found[:-1].any()
