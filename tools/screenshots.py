@@ -85,6 +85,7 @@ from terrainav.core.world.lattice import chart_seed
 from terrainav.terrainav_plugin.form.mission_form import FormState
 from terrainav.terrainav_plugin.panel.options_page import OptionsPage
 from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
+from terrainav.terrainav_plugin.results.viewing import Viewing
 
 IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
 #: Folder of the missions; the pictures show its name.
@@ -303,6 +304,17 @@ class Stage:
         picture = screen_picture(self.window.geometry())
         write(name, picture if part is None else picture.copy(part), most_bytes)
 
+    def view_image(self, place: QPoint | None = None) -> Viewing:
+        """Show the image that the map shows at a place, or at an edge of the previewed ones."""
+        iface.messageBar().clearWidgets()
+        self.plugin.actions["view_images"].trigger()
+        viewing = self.session.viewing
+        wait("image", lambda: viewing.seen is not None and not viewing.busy)
+        self.settle()
+        click_map(self.show_previewed(0) if place is None else place)
+        wait("image", lambda: not viewing.busy)
+        return viewing
+
     def part(self, *widgets: QWidget) -> QRect:
         """Part of the window that holds widgets."""
         whole = QRect()
@@ -511,13 +523,7 @@ def labelled(stage: Stage) -> None:
     stage.begin(TOWN, "roofs", agl=90.0, tilt_deg=35.0, image_px=800, labels=(f"{path}:roofs:kind",))
     stage.plan()
     stage.capture()
-    iface.messageBar().clearWidgets()
-    stage.plugin.actions["view_images"].trigger()
-    viewing = stage.session.viewing
-    wait("image", lambda: viewing.seen is not None and not viewing.busy)
-    stage.settle()
-    click_map(at(0.5, 0.5))
-    wait("image", lambda: not viewing.busy)
+    viewing = stage.view_image(at(0.5, 0.5))
     choose(viewing.viewer.findChild(QComboBox, "shown_labels"), "classes")
     wait("labels", lambda: not viewing.busy)
     stage.shoot("classes.jpg", stage.part(viewing.viewer.view, viewing.viewer.labels), most_bytes=FEWEST_BYTES)
@@ -799,13 +805,7 @@ def relief(stage: Stage) -> None:
     stage.plan()
     stage.preview()
     stage.capture()
-    iface.messageBar().clearWidgets()
-    stage.plugin.actions["view_images"].trigger()
-    viewing = stage.session.viewing
-    wait("image", lambda: viewing.seen is not None and not viewing.busy)
-    stage.settle()
-    click_map(stage.show_previewed(0))
-    wait("image", lambda: not viewing.busy)
+    viewing = stage.view_image()
     stage.shoot("relief.jpg", stage.part(stage.canvas, viewing.viewer), section, FEWER_BYTES)
     viewing.stop()
     viewing.viewer.hide()
