@@ -31,7 +31,8 @@ _FARTHEST = 1e9
 #: Examples of objects with faults.
 _EXAMPLES = 5
 _VERSION = re.compile(r"(1\.0|1\.1|2\.0)(\.\d+)?")
-_TYPE = re.compile(rb'"type"\s*:\s*"CityJSON(?:Feature)?"')
+#: What only CityJSON has; the type may be at the end of the file.
+_TYPE = re.compile(rb'"type"\s*:\s*"CityJSON(?:Feature)?"|"CityObjects"\s*:')
 _LOD = re.compile(r"\d(\.\d+)?")
 
 #: City objects that stand as faces; others, such as roads, water, plants and relief, are counted.

@@ -335,7 +335,9 @@ def test_cityjson_is_known_by_its_content(tmp_path):
     path = tmp_path / "data.json"
     for text, is_so in (
         (json.dumps(city()), True),
-        ('\n {"CityObjects": "%s", "type" : "CityJSON"}' % ("x" * 5_000_000), True),
+        ('\n {"vertices": "%s", "type" : "CityJSON"}' % ("x" * 5_000_000), True),
+        # Cut off before its type.
+        ('{"vertices": [], "CityObjects" : {"one":', True),
         ('{"type": "FeatureCollection", "features": []}', False),
         ("CityJSON", False),
         ("", False),
