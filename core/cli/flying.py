@@ -264,6 +264,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     mission = _fit_flight(mission, arguments, values, next(iter(sources.values())).grid)
     each = mission.missions_by_imagery
     plans = {name: _plan_mission(each.get(name, mission), values, source) for name, source in sources.items()}
+    _print_lacks(next(iter(plans.values())))
     files: list[str] = []
     for path, ending in endings.items():
         if ending == _MISSION:
@@ -496,8 +497,7 @@ def _run(
     needed = shared_requests([(sources[name], _requests(one)) for name, one in plans.items()])
     for (name, planned), requests in zip(plans.items(), needed):
         _check_terms(planned, sources[name], requests, arguments.accept_terms)
-    _print_left_out(next(iter(plans.values())))
-    _print_unread(next(iter(plans.values())))
+    _print_lacks(next(iter(plans.values())))
     bar = Bar(arguments.quiet)
     options: Any = {
         "connections": values["connections"],
@@ -528,6 +528,12 @@ def _run(
                 file=sys.stderr,
             )
     return result
+
+
+def _print_lacks(planned: Plan) -> None:
+    """Print what files of labels and buildings lack."""
+    _print_left_out(planned)
+    _print_unread(planned)
 
 
 def _print_left_out(planned: Plan) -> None:

@@ -154,7 +154,10 @@ def test_a_side_file_gives_values_ids_names_and_colours(tmp_path):
     assert table["classes"][1]["color"] == "#123456"
 
 
-def test_the_command_states_what_of_labels_was_repaired_left_out_or_has_no_value(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("command", ["plan", "capture"])
+def test_the_commands_state_what_of_labels_was_repaired_left_out_or_has_no_value(
+    tmp_path, monkeypatch, capsys, command
+):
     monkeypatch.setenv("TERRAINAV_CACHE", str(tmp_path / "cache"))
     rings = [
         [[-89.901, 35.150], [-89.891, 35.160], [-89.891, 35.150], [-89.901, 35.160], [-89.901, 35.150]],
@@ -168,14 +171,16 @@ def test_the_command_states_what_of_labels_was_repaired_left_out_or_has_no_value
     path = tmp_path / "fields.geojson"
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     where = ["--coords", "35.155_-89.896_100", "--source", "world", "--image-px", "64"]
-    assert main(["capture", *where, "--labels", f"{path}:crop", "--data-dir", str(tmp_path / "out")]) == 0
+    into = ["--data-dir", str(tmp_path / "out")] if command == "capture" else []
+    assert main([command, *where, "--labels", f"{path}:crop", *into]) == 0
     said = capsys.readouterr().err.splitlines()
     assert "labels fields: features repaired, as they cross themselves: 1" in said
     assert "labels fields: features left out, as they are empty or have no area or length: 1" in said
     assert "labels: features without a value, whose pixels are ignore: 1" in said
 
 
-def test_the_command_states_what_of_buildings_cannot_be_read(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("command", ["plan", "capture"])
+def test_the_commands_state_what_of_buildings_cannot_be_read(tmp_path, monkeypatch, capsys, command):
     monkeypatch.setenv("TERRAINAV_CACHE", str(tmp_path / "cache"))
     features = [
         {"type": "Feature", "properties": values, "geometry": {"type": "Polygon", "coordinates": [ring]}}
@@ -189,7 +194,8 @@ def test_the_command_states_what_of_buildings_cannot_be_read(tmp_path, monkeypat
     path = tmp_path / "houses.geojson"
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     where = ["--coords", "35.155_-89.896_100", "--source", "world", "--image-px", "64", "--elevation", "60"]
-    assert main(["capture", *where, "--buildings", str(path), "--data-dir", str(tmp_path / "out")]) == 0
+    into = ["--data-dir", str(tmp_path / "out")] if command == "capture" else []
+    assert main([command, *where, "--buildings", str(path), *into]) == 0
     said = capsys.readouterr().err.splitlines()
     assert "buildings houses: buildings without height, 6 m instead: 2" in said
     assert "buildings houses: buildings with unknown shapes of roofs: 1" in said
