@@ -531,18 +531,18 @@ def _run(
 
 
 def _print_lacks(planned: Plan) -> None:
-    """Print what files of labels and buildings lack."""
-    _print_left_out(planned)
-    _print_unread(planned)
+    """Print what files of labels and buildings lack, which other missions need not open."""
+    if planned.mission.labels.labels:
+        _print_left_out(planned)
+    if planned.mission.terrain.buildings and not planned.relief.is_level:
+        _print_unread(planned)
 
 
 def _print_left_out(planned: Plan) -> None:
     """Print the numbers of features of labels that were repaired, left out, or have no value."""
-    from ..capture.labels import open_labels
+    from ..picture.labels import plan_labels
 
-    labels = open_labels(planned)
-    if labels is None:
-        return
+    labels = plan_labels(planned)
     for layer in labels.layers:
         source = layer.source
         for count, what in (
@@ -561,8 +561,6 @@ def _print_unread(planned: Plan) -> None:
     """Print what of the buildings in view could not be read or placed."""
     from ..faces.buildings import FootprintBuildings
 
-    if planned.relief.is_level:
-        return
     faces = planned.relief.heights.faces
     for model in getattr(faces, "models", (faces,)):
         if not isinstance(model, FootprintBuildings):
