@@ -75,18 +75,18 @@ def times(count: int) -> None:
             for image_format in ("tif", "jpg"):
                 taken = {False: np.inf, True: np.inf}
                 images = 0
-                for turn in range(REPEATS if count < 2000 else 1):
+                for _ in range(REPEATS if count < 2000 else 1):
                     for has_labels in taken:
                         mission = mission_of(count, (layer,) * has_labels, image_format=image_format, **frame)
                         source = open_source("world")
                         made = plan(mission, source.grid, mission_heights(mission))
                         images = len(made)
                         begun = time.perf_counter()
-                        capture(
-                            made, source, Path(folder) / f"{turn}-{has_labels}-{image_format}-{id(made)}", workers=1
-                        )
+                        capture(made, source, tempfile.mkdtemp(dir=folder), workers=1)
                         taken[has_labels] = min(taken[has_labels], (time.perf_counter() - begun) / images * 1e3)
-                name = ", ".join(str(value) for value in frame.values())
+                name = ", ".join(
+                    f"{key} {' '.join(value) if key == 'elevation' else value}" for key, value in frame.items()
+                )
                 ratio = taken[True] / taken[False]
                 print(
                     f"| {name} | {image_format} | {images:,} | {taken[False]:.1f} | {taken[True]:.1f} | {ratio:.2f} |"
