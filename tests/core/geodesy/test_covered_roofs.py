@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.geodesy.covered_roofs import with_covered
@@ -13,6 +12,8 @@ from terrainav.core.geodesy.local import LocalFrame, geocentric
 from terrainav.core.geodesy.triangles import FLOOR, ROOF, WALL, Triangles
 
 from tests.core.geodesy.boxes import LAT, LON, Boxes
+
+shapely = pytest.importorskip("shapely", reason="the oracle of overlaps")
 
 FRAME = LocalFrame(LAT, LON, 0.0)
 

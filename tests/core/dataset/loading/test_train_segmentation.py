@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import shapely
 from pyproj import Transformer
 from terrainav.core.geodesy.triangles import ROOF
 from terrainav.core.world.houses import WorldHouses
@@ -20,6 +19,7 @@ from tests.support.datasets import write_dataset
 from tests.support.labelled import NAMES, write_labelled
 
 pytest.importorskip("torch")
+shapely = pytest.importorskip("shapely")
 EXAMPLES = Path(__file__).resolve().parents[4] / "examples"
 #: Neither stops by the clock.
 CHOICE = ("--minutes", "1000", "--batch-size", "4", "--img-size", "64", "48", "3")
