@@ -418,13 +418,18 @@ def test_shards_of_another_map_type_have_none(tmp_path, folder):
 # --- the command
 
 
+def test_the_command_loads_labels_of_pixels_by_torch(folder, tmp_path, monkeypatch, capsys):
+    pytest.importorskip("torch")
+    run = command(tmp_path, monkeypatch, capsys)
+    said = run("load", str(folder), "--targets", "instances", "image", "--loader", "torch").stdout
+    assert "instances (8, 48, 64) int64, labels (8, 2) float32" in said
+
+
 def test_the_command_loads_labels_of_pixels(folder, tmp_path, monkeypatch, capsys):
     run = command(tmp_path, monkeypatch, capsys)
     said = run("load", str(folder), "--targets", "classes").stdout
     assert "classes 0 background, 1 field, 2 wood, 3 water, 4 road, 5 roof, 6 wall, 255 ignore" in said
     assert "1 batch: images (8, 48, 64, 3) float32, classes (8, 48, 64) int64" in said
-    said = run("load", str(folder), "--targets", "instances", "image", "--loader", "torch").stdout
-    assert "instances (8, 48, 64) int64, labels (8, 2) float32" in said
     told = json.loads(run("load", str(folder), "--targets", *BOTH, "--json").stdout)
     assert told["classes"]["ignore"] == 255
     assert told["batches"][0]["labels"] == [[8, 48, 64], [8, 48, 64]]
