@@ -49,6 +49,8 @@ class Outcome:
         File that the image shares with others; empty if it has a separate file.
     offset_bytes, length_bytes : int
         Position and length of the image in the shard.
+    facts : tuple of (str, float or str)
+        What is stated of a real camera's effects on the image, by the name of the table's column.
     """
 
     map_type: str
@@ -63,6 +65,7 @@ class Outcome:
     shard: str = ""
     offset_bytes: int = 0
     length_bytes: int = 0
+    facts: tuple[tuple[str, float | str], ...] = ()
 
     @property
     def status(self) -> str:
@@ -88,6 +91,8 @@ class Outcome:
             fields.update(repeated=self.repeated)
         if self.shard:
             fields.update(shard=self.shard, offset_bytes=self.offset_bytes, length_bytes=self.length_bytes)
+        if self.facts:
+            fields.update(facts=dict(self.facts))
         return json.dumps(fields, ensure_ascii=False).encode("utf-8") + b"\n"
 
     @classmethod
@@ -113,10 +118,21 @@ class Outcome:
                 sizes[0],
                 tuple(map(str, fields.get("repeated", ()))),
                 str(fields.get("shard", "")),
-                *sizes[1:],
+                sizes[1],
+                sizes[2],
+                tuple(_fact(*one) for one in fields.get("facts", {}).items()),
             )
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             return None
+
+
+def _fact(name: str, value: Any) -> tuple[str, float | str]:
+    """A fact as read from a line; raises TypeError."""
+    if isinstance(value, str):
+        return name, value
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise TypeError(name)
+    return name, float(value)
 
 
 class Journal:

@@ -21,6 +21,7 @@ from ..labels.label_map import LabelMap
 from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
 from ..mission.plan import Plan
 from ..picture.camera_frame import parts_of_tiles
+from ..picture.effects import check_bands
 from ..picture.map_frame import check_size
 from ..picture.optics import Exposures
 from ..picture.shot import Shot, picture_parts
@@ -54,6 +55,7 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
             field="image_format",
         )
     check_size(output.img_size, bands)
+    check_bands(plan.mission, bands)
     if _largest_px(plan) * bands.bytes_per_px > MAX_PICTURE_BYTES:
         raise InvalidInput(
             "images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each",
@@ -290,7 +292,7 @@ class ImageMaker:
     def _trace(self, job: PictureJob) -> list[Part]:
         """Trace the rays of an image over relief, once, and find its parts."""
         shot = cast(Shot, job.shot)
-        shot.trace(with_sighting=job.products is not None)
+        shot.trace(with_sighting=job.products is not None or job.development is not None)
         return self.parts.find_traced(shot)
 
     def _find_last_users(self, order: list[int], orders: Orders) -> Callable[[Window], int] | None:

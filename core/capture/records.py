@@ -22,6 +22,7 @@ from ..labels.label_map import LabelMap
 from ..mission.export.rows import clock
 from ..mission.parts import CLASSES, INTERPOLATE, LABELLED
 from ..mission.plan import Plan
+from ..picture.effects import Development, Facts
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures, plan_optics
 from ..picture.shot import MapShot, Shot, draw, make_shot
@@ -58,6 +59,8 @@ class PictureJob:
         Writes a file.
     labels : LabelMap or None
         Labels for the products classes and instances.
+    development : Development or None
+        The picture's way through a real camera; None for an ideal one.
     """
 
     index: int
@@ -73,6 +76,7 @@ class PictureJob:
     products: tuple[Plan, Path] | None = None
     write: Write = write_whole
     labels: LabelMap | None = None
+    development: Development | None = None
 
     def failed(self, error: PartError) -> Outcome:
         """Outcome of an image that could not be made."""
@@ -90,10 +94,15 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         The image cannot be written.
     """
     picture, sky, unmapped, facades = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands)
-    picture = resized(picture, job.img_size, job.bands)
     description = job.description
+    facts: Facts = ()
     if isinstance(job.shot, Shot):
         description = replace(description, more=_camera_metadata(job.shot))
+    if job.development is not None:
+        picture, facts = job.development.develop(picture, job.shot, len(job.bands))
+        stated = tuple((name.upper(), stated_fact(value)) for name, value in facts)
+        description = replace(description, more=(*description.more, *stated))
+    picture = resized(picture, job.img_size, job.bands)
     if job.products is not None:
         from ..picture.products import BANDS, products
 
@@ -125,7 +134,13 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         unmapped_share=unmapped,
         facade_share=facades,
         size_bytes=size_bytes,
+        facts=facts,
     )
+
+
+def stated_fact(value: float | str) -> str:
+    """Text of a fact in tables and metadata."""
+    return value if isinstance(value, str) else repr(figure(value))
 
 
 def _value_range(values: NDArray[Any]) -> Range:
@@ -200,6 +215,7 @@ def image_job(
         None if products_in is None else (plan, products_in),
         write,
         labels,
+        Development.of(plan, index),
     )
 
 
@@ -323,7 +339,8 @@ def write_tables(
     in_shards : bool
         Whether images are stored in shards.
     """
-    image_table(plan, source, outcomes).join_other(others).save(folder / TABLE_FILE)
+    facts = _fact_columns(outcomes, plan.mission.output.image_format)
+    image_table(plan, source, outcomes).join_other({**others, **facts}).save(folder / TABLE_FILE)
     if plan.mission.output.image_format == "jpg" and not in_shards:
         made = {name for name, one in outcomes.items() if one.status != FAILED}
         at = [index for index, name in enumerate(plan.names) if name in made]
@@ -334,6 +351,15 @@ def _intrinsics(plan: Plan, at: NDArray[np.int64]) -> dict[str, Floats]:
     """Columns of focal lengths and principal points, rounded to decimals on which all processors agree."""
     columns = (np.round(values, 6) for values in plan_optics(plan, at)[2:])
     return dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), columns))
+
+
+def _fact_columns(outcomes: Mapping[str, Outcome], ending: str) -> dict[str, dict[str, str]]:
+    """Columns of what is stated of a real camera's effects: by header, the cell of each image file."""
+    columns: dict[str, dict[str, str]] = {}
+    for name, outcome in outcomes.items():
+        for header, value in outcome.facts:
+            columns.setdefault(header, {})[f"{name}.{ending}"] = stated_fact(value)
+    return columns
 
 
 def _shard_columns(rows: Sequence[Outcome]) -> dict[str, Any]:

@@ -13,5 +13,6 @@ In reading order:
 - `labels`: opens the labels of a mission
 - `products`: depth, ground points, normals, faces, classes and instances of every pixel
 - `optics`: the camera of a picture: focal length, principal point, time
+- `effects`: what a real camera makes of a picture
 - `cost`: processor time of pictures on this machine
 """

@@ -75,17 +75,23 @@ class Optics(NamedTuple):
         return FINEST_ACCURACY_M + across, FINEST_ACCURACY_M + in_height
 
 
-def plan_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
-    """Optics of some of a plan's pictures, by index (k,)."""
+def planned_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
+    """Optics of some of a plan's pictures, by index (k,), before they are resized."""
     width, height = (np.asarray(size[at], np.float64) for size in (plan.frames.width_px, plan.frames.height_px))
     if plan.frames.on_map:
         pinhole = _map_frames(plan, at)
     else:
         tan_x, tan_y = plan.mission.camera.half_tangents
         pinhole = (width / (2.0 * tan_x), height / (2.0 * tan_y), width / 2.0, height / 2.0)
-    focal_x, focal_y, centre_x, centre_y = pinhole
+    return Optics(width, height, *pinhole)
+
+
+def plan_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
+    """Optics of some of a plan's pictures as written, by index (k,)."""
+    planned = planned_optics(plan, at)
     if plan.mission.output.img_size is None:
-        return Optics(width, height, focal_x, focal_y, centre_x, centre_y)
+        return planned
+    width, height, focal_x, focal_y, centre_x, centre_y = planned
     wide, high = (np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2])
     x, y = wide / width, high / height
     return Optics(wide, high, focal_x * x, focal_y * y, centre_x * x, centre_y * y)
