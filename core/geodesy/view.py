@@ -305,6 +305,7 @@ def view(
     tolerance_px: float,
     *,
     by_rays: bool = False,
+    rows: tuple[int, int] | None = None,
 ) -> View:
     """Map the image of a camera to source pixels.
 
@@ -320,12 +321,14 @@ def view(
         Largest error of the mesh; 0 to trace every pixel.
     by_rays : bool
         Trace every pixel even if the mesh would do, for kernels that need single samples.
+    rows : tuple of int, or None
+        First row of pixels and the one after the last, for a part of the image; None for all.
     """
-    rays = ImageRays.from_scene(scene, grid.plane)
+    rays = ImageRays.from_scene(scene, grid.plane, rows)
     by_rays = by_rays or tolerance_px == 0.0
     # If rays give the positions, the mesh only selects tiles and zooms, for which 0.1 px is enough.
     cells = mesh(rays, 0.1 if by_rays else tolerance_px)
-    width, height = scene.one_size_px
+    width, height = rays.size_px
     samples, sky, unmapped = _loose(rays, cells, grid, zooms)
     return View(
         width,
@@ -389,7 +392,7 @@ def _loose(
     rays: ImageRays, cells: Cells, grid: PixelGrid, zooms: tuple[int, int]
 ) -> tuple[list[Samples], NDArray[np.bool_], NDArray[np.bool_]]:
     """Samples of the pixels traced one by one, and masks of the sky and of ground beyond the map."""
-    width, height = rays.scene.one_size_px
+    width, height = rays.size_px
     sky, unmapped = np.ones((height, width), bool), np.zeros((height, width), bool)
     for left, top, right, bottom in cells.box.tolist():
         sky[top:bottom, left:right] = False
@@ -510,22 +513,40 @@ class Cells(NamedTuple):
 
 
 class ImageRays(NamedTuple):
-    """Rays of one camera's image in pixels: ``origin + x·per_x + y·per_y`` from the upper left corner, y down."""
+    """Rays of one camera's image in pixels: ``origin + x·per_x + y·per_y`` from the upper left corner, y down.
+
+    ``rows`` are the first row and the one after the last of a part of the image, in which y counts from its first row;
+    None for the whole image.
+    """
 
     scene: ImageGeometry
     origin: Floats
     per_x: Floats
     per_y: Floats
     plane: Plane = MERCATOR
+    rows: tuple[int, int] | None = None
 
     @classmethod
-    def from_scene(cls, scene: ImageGeometry, plane: Plane = MERCATOR) -> ImageRays:
+    def from_scene(
+        cls, scene: ImageGeometry, plane: Plane = MERCATOR, rows: tuple[int, int] | None = None
+    ) -> ImageRays:
         """Rays of a scene of one pose, over a plane."""
         pose = scene.poses
         corner, right, below = scene.camera.rays_enu(
             ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)), *(float(angle[0]) for angle in pose.attitude)
         )
-        return cls(scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, plane)
+        return cls(scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, plane, rows)
+
+    @property
+    def top_px(self) -> int:
+        """First row of the image."""
+        return 0 if self.rows is None else self.rows[0]
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and number of rows."""
+        width, height = self.scene.one_size_px
+        return width, height if self.rows is None else self.rows[1] - self.rows[0]
 
     def directions(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
@@ -538,7 +559,8 @@ class ImageRays(NamedTuple):
     def component(self, axis: int, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """One component of rays of image points: 0 east, 1 north, 2 up."""
         x, y = (np.asarray(values, np.float64) for values in (x_px, y_px))
-        found: Floats = self.origin[axis] + x * self.per_x[axis] + y * self.per_y[axis]
+        origin = self.origin[axis] + self.top_px * self.per_y[axis]
+        found: Floats = origin + x * self.per_x[axis] + y * self.per_y[axis]
         return found
 
     def ground(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> GroundPoints:
@@ -580,7 +602,7 @@ def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
     tolerance_px : float
         Largest bound of a cell; 0 to trace every pixel that sees the Earth.
     """
-    box = _first_boxes(*rays.scene.one_size_px)
+    box = _first_boxes(*rays.size_px)
     fitting: list[tuple[Numbers, Floats, Floats, Floats]] = []
     loose = [np.empty((0, 4), np.int64)]
     while len(box):
@@ -732,6 +754,6 @@ def _holds_earth(rays: ImageRays, box: Numbers) -> NDArray[np.bool_]:
     across = ((highest >= 0.0) & ahead).any(axis=1)
     nadir = np.linalg.solve(np.stack([rays.per_x, rays.per_y, rays.origin], axis=1), [0.0, 0.0, -1.0])
     if nadir[2] > 0.0:
-        at_x, at_y = nadir[0] / nadir[2], nadir[1] / nadir[2]
+        at_x, at_y = nadir[0] / nadir[2], nadir[1] / nadir[2] - rays.top_px
         across |= (box[:, 0] <= at_x) & (at_x <= box[:, 2]) & (box[:, 1] <= at_y) & (at_y <= box[:, 3])
     return np.asarray(across)

@@ -110,17 +110,27 @@ class CameraViews:
         pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
         return self.relief.seen(pose, self.height_m[index : index + 1], points)
 
-    def view(self, index: int) -> View:
+    def view(self, index: int, *, rows: tuple[int, int] | None = None, pose: Poses | None = None) -> View:
         """View that makes the picture of a camera frame; captures of one row share it.
+
+        Parameters
+        ----------
+        rows, pose
+            As in `tracing`.
 
         Raises
         ------
         InvalidInput
             A map frame, which has no view.
         """
-        if self.relief.is_level:
+        if not self.relief.is_level:
+            return self.traced_view(self.tracing(index, rows=rows, pose=pose))
+        if rows is None and pose is None:
             return self._level_view(index)
-        return self.traced_view(self.tracing(index))
+        self._check_camera_frame()
+        flown = self.poses.take(slice(index, index + 1)) if pose is None else pose
+        scene = ImageGeometry(self.mission.camera, *self.size_px(index), flown, self.ground)
+        return self._view_of_level(scene, self.tolerance_px, rows)
 
     def traced_view(self, tracing: Tracing) -> View:
         """View that makes the picture of a camera frame over relief from traced rays.
@@ -132,10 +142,25 @@ class CameraViews:
             return tracing.view(self.grid, zooms)
         poses = tracing.scene.poses._replace(agl_m=np.array([tracing.height_m - level_m]))
         scene = replace(tracing.scene, poses=poses, ground=WGS84.raised(level_m))
-        return self._view_of_level(scene, tracing.tolerance_px / 2.0)
+        return self._view_of_level(scene, tracing.tolerance_px / 2.0, tracing.rows)
 
-    def tracing(self, index: int, size_px: tuple[int, int] | None = None) -> Tracing:
+    def tracing(
+        self,
+        index: int,
+        size_px: tuple[int, int] | None = None,
+        *,
+        rows: tuple[int, int] | None = None,
+        pose: Poses | None = None,
+    ) -> Tracing:
         """Trace the rays of a capture to the relief, for its picture or one of another size.
+
+        Parameters
+        ----------
+        rows : tuple of int, or None
+            First row of pixels and the one after the last, for a part of the picture; None for all.
+        pose : Poses, or None
+            One pose to look from instead of the capture's own; its ``agl_m`` counts from the ground that the capture's
+            counts from, so that it differs as the heights of the cameras do.
 
         Raises
         ------
@@ -145,15 +170,20 @@ class CameraViews:
         from ..geodesy.raytracing.tracing import Tracing, settled
 
         heights, size = self.relief.heights, size_px or self.size_px(index)
-        scene = ImageGeometry(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
+        flown, height_m = self.poses.take(slice(index, index + 1)), float(self.height_m[index])
+        if pose is not None:
+            height_m += float(pose.agl_m[0]) - float(flown.agl_m[0])
+            flown = pose
+        scene = ImageGeometry(self.mission.camera, *size, flown, self.ground)
         # Share of the tolerance for the rounding of the camera's pose.
         settling = 2.0**-7
         return Tracing(
-            *settled(scene, float(self.height_m[index]), self.tolerance_px * settling),
+            *settled(scene, height_m, self.tolerance_px * settling),
             heights.surface,
             self.relief.lowest_m,
             self.tolerance_px * (1.0 - settling),
             heights.faces,
+            rows,
         )
 
     def box(self, index: int) -> tuple[float, float, float, float]:
@@ -199,8 +229,7 @@ class CameraViews:
 
     def _level_view(self, index: int) -> View:
         """View over the level ground that captures are planned over, cached."""
-        if self.frames.on_map:
-            raise InvalidInput("view of a map frame: its image is a window of the source as it is")
+        self._check_camera_frame()
         size = self.size_px(index)
         tolerance = self.tolerance_px if self.relief.is_level else COARSEST_MESH_PX
 
@@ -209,10 +238,15 @@ class CameraViews:
 
         return self._kept("views", index, make)
 
-    def _view_of_level(self, scene: ImageGeometry, tolerance_px: float) -> View:
+    def _check_camera_frame(self) -> None:
+        if self.frames.on_map:
+            raise InvalidInput("view of a map frame: its image is a window of the source as it is")
+
+    def _view_of_level(self, scene: ImageGeometry, tolerance_px: float, rows: tuple[int, int] | None = None) -> View:
         mission = self.mission
         by_rays = tolerance_px == 0.0 or mission.accuracy.resampling == "lanczos"
-        return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance_px, by_rays=by_rays)
+        zooms = sampled_zooms(mission, self.grid)
+        return view(scene, self.grid, zooms, tolerance_px, by_rays=by_rays, rows=rows)
 
     def _outline_on_relief(self, index: int) -> Outline | None:
         """Outline of a capture over relief, computed and kept together with its neighbours' outlines."""

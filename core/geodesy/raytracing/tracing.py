@@ -167,6 +167,8 @@ class Tracing:
         Largest error of hits along their rays, in pixels of the image.
     faces : FaceModel
         Buildings, which hide the relief behind them.
+    rows : tuple of int, or None
+        First row of pixels and the one after the last, to trace a part of the image; None for all.
     """
 
     scene: ImageGeometry
@@ -175,6 +177,7 @@ class Tracing:
     lowest_m: float
     tolerance_px: float
     faces: FaceModel = NO_FACES
+    rows: tuple[int, int] | None = None
 
     @property
     def place(self) -> tuple[float, float]:
@@ -184,9 +187,10 @@ class Tracing:
 
     @cached_property
     def rays(self) -> PixelRays:
-        """Rays of the image."""
+        """Rays of the image, or of its rows."""
         rays = ImageRays.from_scene(self.scene)
-        return PixelRays(rays.origin, rays.per_x, rays.per_y, *self.scene.one_size_px)
+        whole = PixelRays(rays.origin, rays.per_x, rays.per_y, *self.scene.one_size_px)
+        return whole if self.rows is None else whole.rows(*self.rows)
 
     @cached_property
     def level_m(self) -> float | None:

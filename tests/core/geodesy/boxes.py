@@ -54,11 +54,11 @@ class Boxes:
         return self.all.take(np.repeat(near, 10))
 
 
-def tracing_of(faces, tilt_deg, *, height_m=400.0, yaw_deg=20.0, at=(0.0, -60.0), size=(160, 120), ground=None):
+def tracing_of(faces, tilt_deg, *, height_m=400.0, yaw_deg=20.0, at=(0.0, -60.0), size=(160, 120), ground=None, **more):
     """Tracing from a place in metres, over level ground of 100 m or a grid of heights (160, 160) with cells of 4 m."""
     z = np.full((160, 160), 100.0) if ground is None else ground
     surface, cell_m = surface_about("EPSG:2056", LAT, LON, 4.0, z)
     place = LAT + at[1] * METRE_LAT, LON + at[0] * METRE_LON
     poses = Poses(*(np.array([value]) for value in (*place, height_m - 100.0, yaw_deg, tilt_deg, 0.0)))
     scene = ImageGeometry(Camera(78.8, size[0] / size[1]), *size, poses)
-    return Tracing(scene, height_m, Kept(surface, cell_m), float(z.min()), TOLERANCE_PX, faces)
+    return Tracing(scene, height_m, Kept(surface, cell_m), float(z.min()), TOLERANCE_PX, faces, **more)
