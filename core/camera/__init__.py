@@ -3,4 +3,6 @@
 In reading order:
 
 - `light`: linear light and the values of images
+- `sensor`: photons, electrons and digital numbers after EMVA 1288
+- `bayer`: patterns of colour filters, and demosaicing
 """
