@@ -115,7 +115,8 @@ make_environment() {
         --target .venv/qt6 'PyQt6==6.8.*' 'PyQt6-sip>=13.8,<14' 'PyQt6-Qt6==6.8.*'
     # What results are compared with; it brings a numpy of its own, which must not meet QGIS's.
     "$PYTHON" -m venv .venv/peers
-    .venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-input 'scikit-image>=0.24,<1'
+    .venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-input \
+        'scikit-image>=0.24,<1' 'colour-science>=0.4.6,<0.5'
 }
 
 if [[ $WANTED == newest ]]; then

@@ -2,7 +2,8 @@
 
 In reading order:
 
-- `light`: linear light and the values of images
+- `light`: linear light and the values of images, exposure, white balance
+- `air`: haze
 - `sensor`: photons, electrons and digital numbers after EMVA 1288
 - `bayer`: patterns of colour filters, and demosaicing
 """
