@@ -17,6 +17,7 @@ In reading order:
 - `covered_roofs`: roofs beneath others
 - `joined_faces`: several models of triangles as one
 - `sun`: height and azimuth of the sun
+- `sun_terms`: periodic terms of the sun's position
 - `ways`: shortest ways around polygons in a plane
 - `quaternions`: unit quaternions and rotations
 - `frames`: map frames, rectangles of whole source pixels
