@@ -22,7 +22,7 @@ Facts = tuple[tuple[str, Union[float, str]], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class PictureScene:
     """What effects may ask of the picture that they change, found when they ask."""
 
     plan: Plan
@@ -69,13 +69,13 @@ class Light:
     ----------
     values : array (h, w, c) of float32
         Linear light of each channel; 1 is what the imagery shows as white.
-    scene : Scene
+    scene : PictureScene
     facts : dict
         What the table and the image's metadata state of the effects, by the name of the column.
     """
 
     values: NDArray[np.float32]
-    scene: Scene
+    scene: PictureScene
     facts: dict[str, float | str] = field(default_factory=dict)
 
 
@@ -113,7 +113,7 @@ class Development:
         colours : int
             Number of channels that show light; those after them, a mask, stay as they are.
         """
-        light = Light(linear_of_bytes(pixels[..., :colours]), Scene(self.plan, self.index, shot))
+        light = Light(linear_of_bytes(pixels[..., :colours]), PictureScene(self.plan, self.index, shot))
         for effect in effects(light.scene.mission):
             effect.apply(light)
         developed = bytes_of_linear(light.values)

@@ -2884,6 +2884,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>ideal camera</source>
+        <translation>cámara ideal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>lead-in {length}</source>
         <translation>tramo de entrada de {length}</translation>
     </message>
@@ -4336,8 +4341,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/form.py"/>
-        <source>Attitude, relief, labels, flight path, pixels, wind and accuracy</source>
-        <translation>Orientación, relieve, etiquetas, trayectoria, píxeles, viento y precisión</translation>
+        <source>Attitude, relief, labels, realism, flight path, pixels, wind and accuracy</source>
+        <translation>Actitud, relieve, etiquetas, realismo, ruta de vuelo, píxeles, viento y exactitud</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/form.py"/>
@@ -4954,6 +4959,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Camera realism</source>
+        <translation>Realismo de la cámara</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -15527,6 +15537,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/picture/cost.py"/>
         <source>timed here, over relief with {0}</source>
         <translation>medido aquí, sobre el relieve con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/effects.py"/>
+        <source>effects of a real camera: need grey, or red, green and blue of 8 bits, and the source gives {0}</source>
+        <translation>efectos de una cámara real: necesitan gris, o rojo, verde y azul de 8 bits, y la fuente da {0}</translation>
     </message>
     <message>
         <location filename="../../core/picture/heights.py"/>

@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from ...core.fields import declared_fields
+from ...core.mission.parts import FLAT_PARTS, REALISM_PARTS
 from ..i18n import number_text, tr, translate
 from ..units import gsd_text, length_text
 from .area import describe_area, entered_area
@@ -31,6 +33,7 @@ def headings(state: FormState, source: str) -> dict[str, str]:
         "route": _route(state),
         "relief": ", ".join(state.elevation) or tr("level ground"),
         "labels": _joined(*map(_file_name, (*state.labels, *state.buildings))) or tr("none"),
+        "realism": ", ".join(_changed_titles(state, REALISM_PARTS)) or tr("ideal camera"),
         "pixels": _pixels(state),
         "wind": _wind(state),
         "accuracy": _joined(
@@ -121,6 +124,12 @@ def _choice(state: FormState, name: str) -> str:
 def _changed_choice(state: FormState, name: str) -> str:
     """Title of the choice in the entry ``name``; empty for the default."""
     return "" if getattr(state, name) == DECLARED[name].default else _choice(state, name)
+
+
+def _changed_titles(state: FormState, parts: Iterable[str]) -> list[str]:
+    """Titles of the fields of parts that differ from their defaults."""
+    changed = (one for part in parts for one in declared_fields(FLAT_PARTS[part]))
+    return [translate(one.title) for one in changed if getattr(state, one.name) != one.default]
 
 
 def _number(value: float) -> str:

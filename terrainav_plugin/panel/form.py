@@ -38,6 +38,7 @@ from .sections import (
     LabelsSection,
     OutputEntries,
     PixelsSection,
+    RealismSection,
     ReliefSection,
     RouteSection,
     WindSection,
@@ -227,9 +228,12 @@ class DockForm(QWidget):
         self.folder, self.image_format = output.folder, output.image_format
         self.attitude, self.pixels = AttitudeSection(self.marks), PixelsSection(self.marks)
         self.relief, self.wind = ReliefSection(self.marks), WindSection(self.marks)
-        self.labels = LabelsSection(self.marks)
+        self.labels, self.realism = LabelsSection(self.marks), RealismSection(self.marks)
         self.route, self.accuracy = RouteSection(self.marks), AccuracySection(self.marks)
-        self.sections = (self.attitude, self.relief, self.labels, self.route, self.pixels, self.wind, self.accuracy)
+        self.sections = (
+            *(self.attitude, self.relief, self.labels, self.realism, self.route, self.pixels, self.wind),
+            self.accuracy,
+        )
         #: Groups whose entries have the names of fields of the state.
         self.groups = (camera, flight, output, *self.sections)
         #: All groups from top to bottom.
@@ -239,7 +243,11 @@ class DockForm(QWidget):
                 (tr("Area"), tr("What the images are to show"), (area,)),
                 (tr("Flight"), tr("Camera and flight"), (camera, flight)),
                 (tr("Imagery"), tr("Imagery and output"), (imagery, output)),
-                (tr("Advanced"), tr("Attitude, relief, labels, flight path, pixels, wind and accuracy"), self.sections),
+                (
+                    tr("Advanced"),
+                    tr("Attitude, relief, labels, realism, flight path, pixels, wind and accuracy"),
+                    self.sections,
+                ),
             )
         )
 

@@ -31,6 +31,12 @@ from ..plain import shown_plain
 
 #: Keys of buttons without a text, and of texts without a free letter.
 _DIGITS = string.digits[1:] + "0"
+#: Keys beside Alt where all digits and letters are taken.
+_SHIFT = "Shift+"
+_WITH_SHIFT = tuple(_SHIFT + letter for letter in string.ascii_uppercase)
+#: Modifiers of keys that lead somewhere.
+_ALT = Qt.KeyboardModifier.AltModifier
+_ALT_SHIFT = _ALT | Qt.KeyboardModifier.ShiftModifier
 #: Objects with keys of their own.
 _OWN_KEYS = ("undo_area", "redo_area")
 
@@ -205,10 +211,10 @@ class Letters(QObject):
     def override(self, event: QKeyEvent) -> bool:
         """Whether a key with Alt leads to a part of the panel that is seen; the press of the key then goes there."""
         # A panel that another one has covered may still have the keyboard.
-        is_letter = event.modifiers() == Qt.KeyboardModifier.AltModifier and 0x20 < event.key() < 0x7F
+        is_letter = event.modifiers() in (_ALT, _ALT_SHIFT) and 0x20 < event.key() < 0x7F
         if not (self._is_heard and is_letter):
             return False
-        key = chr(event.key()).upper()
+        key = (_SHIFT if event.modifiers() == _ALT_SHIFT else "") + chr(event.key()).upper()
         acts = [target.act for target, own in self.keys if own == key and target.part.isVisible()]
         focus = QApplication.focusWidget()
         if not acts or focus is None:
@@ -228,7 +234,7 @@ class Letters(QObject):
         if not isinstance(watched, QTabBar):
             watched.removeEventFilter(self)
         act, self._pressed = self._pressed, None
-        if not isinstance(event, QKeyEvent) or event.modifiers() != Qt.KeyboardModifier.AltModifier:
+        if not isinstance(event, QKeyEvent) or event.modifiers() not in (_ALT, _ALT_SHIFT):
             return super().eventFilter(watched, event)
         act()
         return True
@@ -260,7 +266,7 @@ def _matched(targets: Sequence[Target], pinned: dict[int, str], menu_keys: set[s
         return False
 
     others = [target for target in targets if id(target) not in pinned and not place(target, set())]
-    free = [key for key in (*_DIGITS, *string.ascii_uppercase) if key not in owners]
+    free = [key for key in (*_DIGITS, *string.ascii_uppercase, *_WITH_SHIFT) if key not in owners]
     owners.update(zip(free, others))
     return {id(target): key for key, target in owners.items()}
 

@@ -11,10 +11,11 @@ from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QLabel, QMenu, QWidget
 
-from ...core.mission.parts import LONGEST_SIDE, SHORTEST
+from ...core.fields import declared_fields
+from ...core.mission.parts import FLAT_PARTS, LONGEST_SIDE, REALISM_PARTS, SHORTEST
 from ..form.camera import shown_gsd
 from ..form.fields import field_label, field_tip
-from ..form.state import DECLARED, FormState
+from ..form.state import DECLARED, WITHOUT_ENTRY, FormState
 from ..form.text import short_place
 from ..i18n import number_text, tr
 from ..paths import icon
@@ -342,6 +343,17 @@ class LabelsSection(Section):
 
         line.textChanged.connect(show)
         show()
+
+
+class RealismSection(Section):
+    """Effects of a real camera, part by part; none by default."""
+
+    def __init__(self, marks: FieldMarks) -> None:
+        super().__init__("realism", tr("Camera realism"), marks)
+        for part in REALISM_PARTS:
+            for field in declared_fields(FLAT_PARTS[part]):
+                if field.name not in WITHOUT_ENTRY:
+                    self.add_declared(field.name)
 
 
 class RouteSection(Section):

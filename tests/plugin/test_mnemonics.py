@@ -23,8 +23,11 @@ def underlined(panel):
     return found
 
 
-def press_alt(window, letter):
-    QTest.keyClick(window.focusWidget() or window, QKeySequence(letter)[0], Qt.KeyboardModifier.AltModifier)
+def press_alt(window, key):
+    shift, _, letter = key.rpartition("+")
+    with_shift = Qt.KeyboardModifier.ShiftModifier if shift else Qt.KeyboardModifier.NoModifier
+    focus = window.focusWidget() or window
+    QTest.keyClick(focus, QKeySequence(letter)[0], Qt.KeyboardModifier.AltModifier | with_shift)
 
 
 @pytest.fixture
@@ -94,6 +97,22 @@ def test_letters_lead_to_their_entries_also_those_of_menus(desk, window):
     # No letter was typed.
     assert desk.session.state() == before
     assert {key for key, _ in labels.values()} & menus
+
+
+def test_where_letters_are_taken_shift_leads_there(desk, window):
+    form = desk.form
+    form.pages.setCurrentIndex(3)
+    form.route.setCollapsed(False)
+    desk.wait_steady(form.pages.currentWidget().widget().height)
+    (key, target), *_ = [(key, target) for key, target in seen_keys(desk) if key.startswith("Shift+")]
+    form.route.entries["margin_m"].setFocus()
+    desk.wait(form.route.entries["margin_m"].hasFocus)
+    begun = []
+    target.part.clicked.connect(lambda: begun.append(True))
+    press_alt(window, key)
+    desk.wait(lambda: bool(begun))
+    assert key in target.part.toolTip()
+    form.route.setCollapsed(True)
 
 
 def test_letters_open_tabs_and_press_buttons(desk, window):

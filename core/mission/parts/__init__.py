@@ -89,6 +89,7 @@ __all__ = [
     "ONE_WAY",
     "PAPER",
     "RAYS",
+    "REALISM_PARTS",
     "REFUSE",
     "SERPENTINE",
     "SHORTEST",
@@ -118,3 +119,6 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "labels": PixelLabels,
     "output": Output,
 }
+
+#: Parts of a real camera's effects, in the order in which light meets them; with their defaults a camera is ideal.
+REALISM_PARTS: tuple[str, ...] = ()

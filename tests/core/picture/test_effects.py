@@ -87,7 +87,7 @@ def test_facts_are_kept_when_a_capture_is_resumed(source, halved, tmp_path):
 
 def test_sky_has_no_end(source):
     made = planned(source, 80.0)
-    scene = effects.Scene(made, 0, make_shot(made, 0))
+    scene = effects.PictureScene(made, 0, make_shot(made, 0))
     assert np.isinf(scene.range_m[0]).all()
     assert np.isfinite(scene.range_m[-1]).all()
 
