@@ -61,6 +61,8 @@ MAX_BANDS = 1_000
 MAX_HEIGHT_SOURCES = 16
 #: Vector layers of labels, or of buildings, of one mission.
 MAX_VECTOR_LAYERS = 16
+#: Fields of one mission that vary from image to image.
+MAX_VARIED = 64
 #: Imageries of one mission.
 MAX_IMAGERIES = 64
 #: Poses that are drawn at random, or flown along a line.

@@ -52,6 +52,7 @@ _PARTS = {
     "terrain": "Relief and buildings",
     "route": "Flight path",
     "labels": "Labels of pixels",
+    "varied": "Random values of images",
     "output": "Output",
 }
 #: Names of options that do not follow from the name of one field.

@@ -6,4 +6,5 @@ In reading order:
 - `air`: haze
 - `sensor`: photons, electrons and digital numbers after EMVA 1288
 - `bayer`: patterns of colour filters, and demosaicing
+- `varying`: random values of images, by distributions
 """

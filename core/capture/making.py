@@ -55,7 +55,7 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
             field="image_format",
         )
     check_size(output.img_size, bands)
-    check_bands(plan.mission, bands)
+    check_bands(plan.settings(0), bands)
     if _largest_px(plan) * bands.bytes_per_px > MAX_PICTURE_BYTES:
         raise InvalidInput(
             "images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each",

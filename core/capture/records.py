@@ -316,7 +316,7 @@ def image_table(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> 
         "status": tuple(row.status for row in rows),
         "reason": tuple(row.reason for row in rows),
     }
-    return Table.from_columns(known, {})
+    return Table.from_columns(known, _fact_columns(rows))
 
 
 def write_tables(
@@ -339,8 +339,8 @@ def write_tables(
     in_shards : bool
         Whether images are stored in shards.
     """
-    facts = _fact_columns(outcomes, plan.mission.output.image_format)
-    image_table(plan, source, outcomes).join_other({**others, **facts}).save(folder / TABLE_FILE)
+    table = image_table(plan, source, outcomes)
+    table.replace_other({**table.join_other(others).other, **table.other}).save(folder / TABLE_FILE)
     if plan.mission.output.image_format == "jpg" and not in_shards:
         made = {name for name, one in outcomes.items() if one.status != FAILED}
         at = [index for index, name in enumerate(plan.names) if name in made]
@@ -353,13 +353,11 @@ def _intrinsics(plan: Plan, at: NDArray[np.int64]) -> dict[str, Floats]:
     return dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), columns))
 
 
-def _fact_columns(outcomes: Mapping[str, Outcome], ending: str) -> dict[str, dict[str, str]]:
-    """Columns of what is stated of a real camera's effects: by header, the cell of each image file."""
-    columns: dict[str, dict[str, str]] = {}
-    for name, outcome in outcomes.items():
-        for header, value in outcome.facts:
-            columns.setdefault(header, {})[f"{name}.{ending}"] = stated_fact(value)
-    return columns
+def _fact_columns(rows: Sequence[Outcome]) -> dict[str, tuple[str, ...]]:
+    """Columns of what is stated of a real camera's effects on the images, by header."""
+    stated = [dict(row.facts) for row in rows]
+    headers = dict.fromkeys(header for facts in stated for header in facts)
+    return {header: tuple(stated_fact(facts.get(header, "")) for facts in stated) for header in headers}
 
 
 def _shard_columns(rows: Sequence[Outcome]) -> dict[str, Any]:

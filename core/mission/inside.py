@@ -84,7 +84,7 @@ def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
     Raises
     ------
     InvalidInput
-        No capture is kept, or the mission has an area over relief or in wind.
+        No capture is kept, or the mission has an area over relief, in wind or with random poses.
     """
     if not kept.any():
         raise InvalidInput(
@@ -94,9 +94,9 @@ def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
         )
     if isinstance(mission.area, Points):
         return mission.replace(area=mission.area.take(plan.column[kept].tolist()))
-    if not plan.relief.is_level or mission.wind is not None:
+    if not plan.relief.is_level or mission.moves_poses:
         raise InvalidInput(
-            "images within the imagery: cannot be selected for an area over relief or in wind",
+            "images within the imagery: cannot be selected for an area over relief, in wind or with random poses",
             remedy="give points",
         )
     poses = plan.poses.take(np.flatnonzero(kept))

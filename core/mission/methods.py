@@ -315,7 +315,7 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
         return Message("the rows are turned from east, and the camera with them")
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
         return Message("wind turns the camera")
-    if turns_at_random(mission):
+    if turns_at_random(mission) or mission.varied.turns_images:
         return Message("images are turned at random")
     return accuracy.outside_flat_domain(_extreme_geometry(mission), None if grid.plane.wraps else 0.0)
 

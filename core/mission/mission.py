@@ -33,6 +33,7 @@ from .parts import (
     Pixels,
     Route,
     Terrain,
+    Varied,
 )
 
 _Part = TypeVar("_Part", Box, Camera, Wind)
@@ -94,6 +95,7 @@ class Mission:
     terrain: Terrain
     route: Route
     labels: PixelLabels
+    varied: Varied
     output: Output
     no_fly: tuple[Polygon, ...]
 
@@ -146,6 +148,11 @@ class Mission:
         if self.route.trigger == BY_DISTANCE and not self.area.covers_ground:
             return BY_WAYPOINT
         return self.route.trigger
+
+    @property
+    def moves_poses(self) -> bool:
+        """Whether wind or chance moves poses from where they are planned."""
+        return self.wind is not None or bool(self.varied.of_poses)
 
     @property
     def products(self) -> tuple[str, ...]:

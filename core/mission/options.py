@@ -9,10 +9,10 @@ from typing import Any, Callable
 from ..errors import InvalidInput
 from ..fields import Field, declared_fields
 from ..geodesy.lens import Lens
-from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES, MAX_VECTOR_LAYERS
+from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES, MAX_VARIED, MAX_VECTOR_LAYERS
 from ..numbers import integer, real_number
 from ..units import LENGTHS_M
-from .parts import AUTO, Accuracy, Attitude, Flight, Imagery, Output, PixelLabels, Pixels, Route, Terrain
+from .parts import AUTO, Accuracy, Attitude, Flight, Imagery, Output, PixelLabels, Pixels, Route, Terrain, Varied
 from .presets import PRESET_NAMES
 
 #: Kinds of missions.
@@ -76,6 +76,7 @@ class Option:
             "surface": (1, MAX_HEIGHT_SOURCES),
             "buildings": (1, MAX_VECTOR_LAYERS),
             "labels": (1, MAX_VECTOR_LAYERS),
+            "vary": (1, MAX_VARIED),
             "products": (1, len(field.choices)),
             "stretch": (1, 2),
             "takeoff": (2, 2),
@@ -240,7 +241,7 @@ OPTIONS: tuple[Option, ...] = (
     *_fields(Imagery),
     _image_px(),
     *_fields(Pixels, but=("image_px",)),
-    *_fields(Accuracy, Terrain, Route, PixelLabels, Output),
+    *_fields(Accuracy, Terrain, Route, PixelLabels, Varied, Output),
     Option(
         "dataset",
         str,

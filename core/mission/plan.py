@@ -19,6 +19,7 @@ from .areas.area import check_area, check_polygons
 from .flight.direct import DirectFlight, stated_times_s
 from .flight.legs import intervals_s, legs
 from .flight.path import FlightPath, flight_path
+from .flight.wind import Wind
 from .layout.coverage import Coverage, ImageryShare, Overlap, Rectangles, coverage, imagery_share, overlap
 from .layout.frames import Frames
 from .layout.framing import ground_ellipsoid, nominal_poses
@@ -55,7 +56,7 @@ class Plan:
     accuracy : ChosenMethods
         The methods that were chosen, and their bounds.
     nominal : Poses or None
-        Planned poses, if wind has moved them.
+        Planned poses, if wind or chance has moved them.
     passes : tuple of Pass
         Passes of rotated or crosshatched rows; empty for rows along parallels and for points.
     level_m : float
@@ -138,7 +139,7 @@ class Plan:
 
     @property
     def meant(self) -> Poses:
-        """Planned poses, before wind moves them."""
+        """Planned poses, before wind and chance move them."""
         return self.poses if self.nominal is None else self.nominal
 
     @property
@@ -192,6 +193,22 @@ class Plan:
         if self.in_skipped_rows:
             return len(np.unique(self.row))
         return int(self.row.max()) + 1
+
+    def drawn(self, index: int) -> dict[str, float]:
+        """Values that are drawn for one picture, by field, without those that its pose states."""
+        varied, seed = self.mission.varied, self.mission.imagery.seed
+        if not varied.vary:
+            return {}
+        offsets = varied.draw_pose(seed, int(self.column[index]), int(self.row[index]))
+        stated = {name: value for name, value in offsets.items() if name not in self.poses._fields}
+        return {**stated, **varied.draw(seed, self.names[index])}
+
+    def settings(self, index: int) -> Mission:
+        """The mission as the camera of one picture has it, with the values that are drawn for the picture."""
+        varied = self.mission.varied
+        if not varied.of_camera:
+            return self.mission
+        return self.mission.replace(**varied.draw(self.mission.imagery.seed, self.names[index]))
 
     @cached_property
     def views(self) -> CameraViews:
@@ -354,7 +371,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     layout = flown.layout
     poses, over_relief = flown.poses, flown.flown
     nominal = None
-    if mission.wind is not None:
+    if mission.moves_poses:
         nominal = nominal_poses(mission, layout)
     if over_relief is not None:
         raised_m = over_relief.height_m - over_relief.ground_m - over_relief.seen_agl_m
@@ -397,17 +414,23 @@ def _relief_below(mission: Mission, heights: Heights | None) -> tuple[Mission, R
 
 
 def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
-    """Poses as flown, moved and turned by the wind."""
-    if mission.wind is None:
-        return nominal
+    """Poses as flown, moved and turned by the wind and at random."""
+    poses = nominal if mission.wind is None else _in_wind(mission, mission.wind, layout, nominal)
+    if not mission.varied.of_poses:
+        return poses
+    from .flight.varied import vary_poses
+
+    return vary_poses(mission, layout.column, layout.row, poses, ground_ellipsoid(mission))
+
+
+def _in_wind(mission: Mission, wind: Wind, layout: Layout, nominal: Poses) -> Poses:
+    """Poses moved and turned by the wind."""
     from .flight.motion import fly
 
     flown_legs, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
     stated = stated_times_s(mission, layout.column)
-    interval_s = (
-        np.diff(stated) if stated is not None else intervals_s(flown_legs, layout.agl_m, airspeed, mission.wind)
-    )
-    motion = fly(mission.wind, airspeed, interval_s, flown_legs.headings_deg(), layout.agl_m, nominal.yaw_deg)
+    interval_s = np.diff(stated) if stated is not None else intervals_s(flown_legs, layout.agl_m, airspeed, wind)
+    motion = fly(wind, airspeed, interval_s, flown_legs.headings_deg(), layout.agl_m, nominal.yaw_deg)
     lat, ground = nominal.lat_deg, ground_ellipsoid(mission)
     north = np.degrees(motion.north_m / ground.meridional_radius_m(lat))
     east = np.degrees(motion.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))
@@ -415,7 +438,7 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     if (agl <= 0.0).any():
         raise InvalidInput(
             "wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground",
-            mission.wind.speed_m_per_s,
+            wind.speed_m_per_s,
             mission.flight.agl_m,
             field="wind",
             remedy="fly higher or in less turbulence",

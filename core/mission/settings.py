@@ -174,7 +174,7 @@ def build_mission(values: Mapping[str, Any]) -> Mission:
     fields = {one.name: values[one.name_of_option] for one in flat_fields() if one.name_of_option in values}
     if fields["image_px"] is None:
         fields["image_px"] = camera_px
-    for name in ("bands", "imageries", "elevation", "surface", "buildings", "labels", "products"):
+    for name in ("bands", "imageries", "elevation", "surface", "buildings", "labels", "vary", "products"):
         fields[name] = fields[name] or ()
     if isinstance(fields["stretch"], tuple):
         fields["stretch"] = " ".join(fields["stretch"])

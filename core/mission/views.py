@@ -205,7 +205,7 @@ class CameraViews:
         """
         first, _ = self._runs
         # In still air, views of rotated rows differ only by convergence and latitude, so that fewer suffice.
-        most = 60 if passes and self.mission.wind is None and not turns_at_random(self.mission) else 500
+        most = 60 if passes and not self.mission.moves_poses and not turns_at_random(self.mission) else 500
         starts, count = first, len(self.poses.lat_deg)
         if len(first) > most:
             starts = np.arange(0, count, -(-count // most))

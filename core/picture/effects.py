@@ -29,10 +29,10 @@ class PictureScene:
     index: int
     shot: MapShot | Shot
 
-    @property
+    @cached_property
     def mission(self) -> Mission:
         """The mission, with the values of this image."""
-        return self.plan.mission
+        return self.plan.settings(self.index)
 
     @property
     def name(self) -> str:
@@ -103,7 +103,8 @@ class Development:
     @classmethod
     def of(cls, plan: Plan, index: int) -> Development | None:
         """The way of a capture's picture; None for an ideal camera."""
-        return cls(plan, index) if effects(plan.mission) else None
+        mission = plan.settings(index)
+        return cls(plan, index) if mission.varied.vary or effects(mission) else None
 
     def develop(self, pixels: PixelValues, shot: MapShot | Shot, colours: int) -> tuple[PixelValues, Facts]:
         """Return the picture (h, w, channels) of 8 bits that the camera makes of an ideal one, and its facts.
@@ -113,8 +114,12 @@ class Development:
         colours : int
             Number of channels that show light; those after them, a mask, stay as they are.
         """
-        light = Light(linear_of_bytes(pixels[..., :colours]), PictureScene(self.plan, self.index, shot))
-        for effect in effects(light.scene.mission):
+        scene, drawn = PictureScene(self.plan, self.index, shot), self.plan.drawn(self.index)
+        chain = effects(scene.mission)
+        if not chain:
+            return pixels, tuple(drawn.items())
+        light = Light(linear_of_bytes(pixels[..., :colours]), scene, {**drawn})
+        for effect in chain:
             effect.apply(light)
         developed = bytes_of_linear(light.values)
         return np.dstack([developed, pixels[..., colours:]]), tuple(light.facts.items())

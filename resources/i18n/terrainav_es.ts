@@ -8556,6 +8556,82 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>cambie el nombre de uno de ellos</translation>
     </message>
     <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>at least one value</source>
+        <translation>al menos un valor</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>hardly any values lie within these bounds</source>
+        <translation>apenas hay valores dentro de estos límites</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>its values are not finite</source>
+        <translation>sus valores no son finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>low above 0 and below high</source>
+        <translation>low mayor que 0 y menor que high</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>low below high</source>
+        <translation>low menor que high</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>low below high, and mode from low to high</source>
+        <translation>low menor que high, y mode de low a high</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>median and sigma above 0</source>
+        <translation>median y sigma mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>must be as {0}</source>
+        <translation>debe ser como {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>only distributions without bounds are cut off</source>
+        <translation>solo se recortan las distribuciones sin límites</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>sd above 0</source>
+        <translation>sd mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>vary {0!r}: {1}</source>
+        <translation>vary {0!r}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>{0} are not numbers</source>
+        <translation>{0} no son números</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>{0} is none of {1}</source>
+        <translation>{0} no es ninguna de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>{0} needs {1}</source>
+        <translation>{0} necesita {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/camera/varying.py"/>
+        <source>{0} takes {1}</source>
+        <translation>{0} requiere {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/begun.py"/>
         <source>another one</source>
         <translation>otro</translation>
@@ -13433,6 +13509,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>{0}; reduzca el solape o vuele más alto</translation>
     </message>
     <message>
+        <location filename="../../core/mission/flight/varied.py"/>
+        <source>fly higher, or choose another distribution</source>
+        <translation>vuele más alto o elija otra distribución</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/varied.py"/>
+        <source>vary {0!r}: one of the cameras would be {1:g} m above the ground</source>
+        <translation>vary {0!r}: una de las cámaras estaría a {1:g} m sobre el terreno</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/flight/wind.py"/>
         <source>direction the wind blows from, clockwise from north</source>
         <translation>dirección desde la que sopla el viento, en sentido horario desde el norte</translation>
@@ -13525,8 +13611,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/inside.py"/>
-        <source>images within the imagery: cannot be selected for an area over relief or in wind</source>
-        <translation>imágenes dentro de las disponibles: no se pueden seleccionar en una zona con relieve o con viento</translation>
+        <source>images within the imagery: cannot be selected for an area over relief, in wind or with random poses</source>
+        <translation>imágenes dentro de las disponibles: no se pueden seleccionar en una zona con relieve, con viento o con poses al azar</translation>
     </message>
     <message>
         <location filename="../../core/mission/inside.py"/>
@@ -15255,6 +15341,66 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/terrain.py"/>
         <source>where heights of the ground come from: raster files, terrarium (public tiles), terrarium:SOURCE or terrain-rgb:SOURCE (tiles so encoded), world, or a number; of several the first that has a height counts; left out, the ground is level</source>
         <translation>de dónde vienen las alturas del terreno: archivos ráster, terrarium (teselas públicas), terrarium:FUENTE o terrain-rgb:FUENTE (teselas así codificadas), world o un número; de varias cuenta la primera que tenga una altura; si falta, el terreno es llano</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>add bounds, such as {0}</source>
+        <translation>añada límites, como {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>also write each image without the effects of a real camera, under the same name into a folder of the map type with _clean after its name</source>
+        <translation>escribir también cada imagen sin los efectos de una cámara real, con el mismo nombre, en una carpeta del tipo de mapa con _clean tras su nombre</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>distance from the planned pose</source>
+        <translation>distancia a la pose planificada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>fields of camera, light and pose that have a random value in each image, by the seed, as FIELD=DISTRIBUTION: uniform(low,high), normal(mean,sd), lognormal(median,sigma), loguniform(low,high), triangular(low,mode,high) or choice(value,…), and within(low,high) after it as bounds</source>
+        <translation>campos de cámara, luz y pose que tienen un valor aleatorio en cada imagen, según la semilla, como CAMPO=DISTRIBUCIÓN: uniform(low,high), normal(mean,sd), lognormal(median,sigma), loguniform(low,high), triangular(low,mode,high) o choice(valor,…), y detrás within(low,high) como límites</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>keep clean images</source>
+        <translation>conservar imágenes limpias</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>offset to the east</source>
+        <translation>desplazamiento hacia el este</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>offset to the north</source>
+        <translation>desplazamiento hacia el norte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>random values</source>
+        <translation>valores aleatorios</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>vary {0!r}: has no bounds, and {1} must be {2}</source>
+        <translation>vary {0!r}: no tiene límites, y {1} debe ser {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>vary {0!r}: must be text</source>
+        <translation>vary {0!r}: debe ser texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>vary {0!r}: {1} is none of the numbers that may vary, which are {2}</source>
+        <translation>vary {0!r}: {1} no es ninguno de los números que pueden variar, que son {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>vary {0!r}: {1} is there twice</source>
+        <translation>vary {0!r}: {1} aparece dos veces</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>

@@ -140,7 +140,7 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
         text = run.text(name).strip()
         return (text.lower() if field.name == "facing" else text) or None
     # Paths and names of sources are separated by semicolons, as they may contain spaces.
-    if field.name in ("elevation", "surface", "imageries", "buildings", "labels"):
+    if field.name in ("elevation", "surface", "imageries", "buildings", "labels", "vary"):
         return tuple(part.strip() for part in run.text(name).split(";") if part.strip())
     if field.kind is tuple:
         return tuple(run.text(name).split())

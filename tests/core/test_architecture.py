@@ -77,7 +77,7 @@ ARROWS = {
     "storage": {"core", "text", "external"},
     "geodesy": FLOOR,
     "camera": {*FLOOR, "geodesy"},
-    "mission": {*FLOOR, "geodesy"},
+    "mission": {*FLOOR, "geodesy", "camera"},
     "imagery": {*FLOOR, "geodesy"},
     "elevation": {*FLOOR, "geodesy", "imagery"},
     "faces": {*FLOOR, "geodesy", "imagery", "elevation", "vectors"},

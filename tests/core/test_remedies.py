@@ -21,6 +21,7 @@ from tests.core.remedies import (  # noqa: F401
     poses,
     relief,
     routes,
+    varied,
 )
 from tests.support.remedies import ENTRIES, Case, places, unknown_beginnings
 from tests.support.thinning import sampled

@@ -94,6 +94,7 @@ _OTHERS = {
     "building_height_field": "HEIGHT",
     "labels": ("fields.gpkg:fields:crop",),
     "label_order": "rank",
+    "vary": ("agl_m=uniform(90,150)",),
     "vertical_datum": "EPSG:5773",
     "takeoff": (35.1, -89.8),
     "img_size": (64, 48, 1),

@@ -4,6 +4,7 @@
 - `gusts`: gusts and the aircraft in them, discretised exactly
 - `legs`: legs between captures and the time they take
 - `motion`: poses in wind
+- `varied`: poses that differ at random from the planned ones
 - `deviates`: random numbers that are the same on every machine
 - `direct`: the flight from capture to capture, without turns
 - `path`: the path of an aircraft: take-off, transits, lead-ins, captures and turns, in sorties

@@ -155,7 +155,7 @@ def join_plans(plans: Sequence[Plan], names: Sequence[str], heights: Heights | N
         frames=first.frames,
         accuracy=first.accuracy,
         relief=relief,
-        nominal=None if mission.wind is None else meant,
+        nominal=meant if any(plan.nominal is not None for plan in plans) else None,
         level_m=first.level_m,
         flown=_joined_heights(plans) if mission.terrain.elevation else None,
         plans=tuple(plans),

@@ -139,7 +139,7 @@ def framed(
     if flown is not None:
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
-    is_steady = mission.wind is None and flown is None and not turns_at_random(mission)
+    is_steady = not mission.moves_poses and flown is None and not turns_at_random(mission)
     share_frames = passes and framing.resamples and grid.plane.wraps and is_steady
     windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if share_frames else None)
     frames = framing.frames(relief.lone(layout, flown), windows, poses)

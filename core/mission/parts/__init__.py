@@ -6,6 +6,7 @@ In reading order:
 - `terrain`: relief and buildings
 - `pictures`: imagery, pixels, accuracy and files
 - `labels`: labels of pixels
+- `varied`: random values of images
 """
 
 from __future__ import annotations
@@ -59,6 +60,7 @@ from .terrain import (
     TAKEOFF,
     Terrain,
 )
+from .varied import Varied
 
 __all__ = [
     "ALIGNMENTS",
@@ -104,6 +106,7 @@ __all__ = [
     "Pixels",
     "Route",
     "Terrain",
+    "Varied",
     "utc_time",
 ]
 
@@ -117,8 +120,9 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "terrain": Terrain,
     "route": Route,
     "labels": PixelLabels,
+    "varied": Varied,
     "output": Output,
 }
 
 #: Parts of a real camera's effects, in the order in which light meets them; with their defaults a camera is ideal.
-REALISM_PARTS: tuple[str, ...] = ()
+REALISM_PARTS: tuple[str, ...] = ("varied",)

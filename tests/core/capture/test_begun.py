@@ -50,6 +50,7 @@ OTHERS = {
     "building_height_field": "HEIGHT",
     "labels": ["l.gpkg:roofs"],
     "label_order": "rank",
+    "vary": ["agl_m=uniform(90,150)"],
     "products": ["depth"],
     "takeoff": [35.14, -89.86],
     "max_px": 150,

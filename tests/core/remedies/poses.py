@@ -273,7 +273,7 @@ def _none_inside(case: Case) -> None:
 
 @remedy(
     "mission/inside.py",
-    "images within the imagery: cannot be selected for an area over relief or in wind; give points",
+    "images within the imagery: cannot be selected for an area over relief, in wind or with random poses; give points",
 )
 def _an_area_in_wind(case: Case) -> None:
     mission = Mission(Box(35.16, -89.9, 35.159, -89.899), 60.0, wind=Wind(3.0), accept_error=True)

@@ -1,0 +1,149 @@
+"""The part of a mission that varies its images at random, and keeps them as they were before effects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from ...camera.varying import Variation
+from ...errors import InvalidInput, Message
+from ...fields import CheckedFields, Field, declared, declared_fields, field_named
+from .flown import Attitude, Flight
+
+
+@dataclass(frozen=True)
+class PoseOffset(CheckedFields):
+    """Offset of a capture from its planned position, as far as only random poses have it."""
+
+    east_m: float = declared(
+        0.0, title="offset to the east", help="distance from the planned pose", unit="m", least=-10_000.0, most=10_000.0
+    )
+    north_m: float = declared(
+        0.0,
+        title="offset to the north",
+        help="distance from the planned pose",
+        unit="m",
+        least=-10_000.0,
+        most=10_000.0,
+    )
+
+
+#: Fields of poses that may vary.
+_OF_POSES = {
+    **{one.name: one for one in declared_fields(PoseOffset)},
+    "agl_m": field_named(Flight, "agl_m"),
+    **{name: field_named(Attitude, name) for name in ("yaw_deg", "tilt_deg", "roll_deg")},
+}
+#: Parts all of whose numbers may vary.
+_PARTS: tuple[type[CheckedFields], ...] = ()
+
+
+@lru_cache(maxsize=1)
+def variable_fields() -> dict[str, Field]:
+    """Fields that may vary from image to image, by name: of poses, light and camera."""
+    numbers = (one for part in _PARTS for one in declared_fields(part) if one.kind in (float, int))
+    return {**_OF_POSES, **{one.name: one for one in numbers}}
+
+
+def _check_vary(texts: tuple[Any, ...]) -> None:
+    found: set[str] = set()
+    for text in texts:
+        if not isinstance(text, str):
+            raise InvalidInput("vary {0!r}: must be text", text, field="vary")
+        variation = Variation.from_text(text)
+        field = variable_fields().get(variation.field)
+        if field is None:
+            raise InvalidInput(
+                "vary {0!r}: {1} is none of the numbers that may vary, which are {2}",
+                text,
+                variation.field,
+                ", ".join(variable_fields()),
+                field="vary",
+            )
+        if variation.field in found:
+            raise InvalidInput("vary {0!r}: {1} is there twice", text, variation.field, field="vary")
+        found.add(variation.field)
+        _check_ends(text, variation, field)
+
+
+def _check_ends(text: str, variation: Variation, field: Field) -> None:
+    """Refuse a distribution without bounds where its field has limits, and values beyond them."""
+    low, high = variation.ends
+    # A limit after ``above`` only bounds the arithmetic, see `Field.domain`: it holds for all values that are drawn.
+    has_most = field.below is not None or (field.most is not None and field.above is None)
+    has_least = field.least is not None or field.above is not None
+    if (low == float("-inf") and has_least) or (high == float("inf") and has_most):
+        raise InvalidInput(
+            "vary {0!r}: has no bounds, and {1} must be {2}",
+            text,
+            Message(field.title),
+            field.domain,
+            field="vary",
+            remedy=Message("add bounds, such as {0}", "within(1,2)"),
+        )
+    try:
+        for value in variation.extremes:
+            field.settled(_of_kind(field, value))
+    except InvalidInput as wrong:
+        raise InvalidInput("vary {0!r}: {1}", text, wrong.message, field="vary") from wrong
+
+
+def _of_kind(field: Field, value: float) -> float | int:
+    """Value as the field has it: a whole number is the nearest one."""
+    return round(value) if field.kind is int else value
+
+
+@dataclass(frozen=True)
+class Varied(CheckedFields):
+    """Values that vary from image to image at random."""
+
+    vary: tuple[str, ...] = declared(
+        (),
+        title="random values",
+        help="fields of camera, light and pose that have a random value in each image, by the seed, as "
+        "FIELD=DISTRIBUTION: uniform(low,high), normal(mean,sd), lognormal(median,sigma), loguniform(low,high), "
+        "triangular(low,mode,high) or choice(value,…), and within(low,high) after it as bounds",
+        advanced=True,
+        check=_check_vary,
+        schema={"items": {"type": "string", "minLength": 1}, "uniqueItems": True},
+    )
+    keep_clean: bool = declared(
+        False,
+        title="keep clean images",
+        help="also write each image without the effects of a real camera, under the same name into a folder of the map "
+        "type with _clean after its name",
+        advanced=True,
+    )
+
+    @property
+    def of_poses(self) -> tuple[Variation, ...]:
+        """Distributions of the fields of poses."""
+        return self._variations(lambda name: name in _OF_POSES)
+
+    @property
+    def of_camera(self) -> tuple[Variation, ...]:
+        """Distributions of the fields of camera and light."""
+        return self._variations(lambda name: name not in _OF_POSES)
+
+    @property
+    def turns_images(self) -> bool:
+        """Whether an angle varies."""
+        return any(one.field.endswith("_deg") for one in self.of_poses)
+
+    def draw(self, seed: int, image: str) -> dict[str, float]:
+        """Values of camera and light of an image, by field."""
+        fields = variable_fields()
+        return {one.field: _of_kind(fields[one.field], one.draw(seed, image)) for one in self.of_camera}
+
+    def draw_pose(self, seed: int, column: int, row: int) -> dict[str, float]:
+        """Values of a pose, by field.
+
+        Drawn by column and row, as the rest of an image's name depends on the pose.
+        """
+        return {one.field: one.draw(seed, f"{column}_{row}") for one in self.of_poses}
+
+    def _variations(self, is_wanted: Callable[[str], bool]) -> tuple[Variation, ...]:
+        found = map(Variation.from_text, self.vary)
+        return tuple(one for one in found if is_wanted(one.field))

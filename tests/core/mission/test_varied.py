@@ -1,0 +1,213 @@
+"""Values that a mission varies from image to image: what may vary, and the poses of its plans."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from pyproj import Geod
+from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid, wrap_lon_deg
+from terrainav.core.mission.areas.area import Box, Points
+from terrainav.core.mission.export.writing import write_plan
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.parts.varied import variable_fields
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.settings import build_mission, resolve
+
+GRID = PixelGrid()
+FIELD = Box(47.41, 8.50, 47.36, 8.62)
+
+
+def planned(*vary, **changes):
+    values = {"area": FIELD, "agl_m": 100.0, **changes}
+    return plan(Mission(values.pop("area"), values.pop("agl_m"), vary=vary, **values), GRID)
+
+
+@pytest.fixture(scope="module")
+def all_varied():
+    """A plan of over 2,000 images, all of whose poses vary."""
+    return planned(
+        "east_m=normal(0,8)within(-30,30)",
+        "north_m=uniform(-20,20)",
+        "agl_m=triangular(80,90,140)",
+        "yaw_deg=uniform(-180,180)",
+        "tilt_deg=normal(0,3)within(-15,15)",
+        "roll_deg=normal(1,2)within(-15,15)",
+    )
+
+
+def distribution_of(stats, name):
+    return {
+        "east_m": stats.truncnorm(-3.75, 3.75, 0.0, 8.0),
+        "north_m": stats.uniform(-20.0, 40.0),
+        "agl_m": stats.triang(1.0 / 6.0, 80.0, 60.0),
+        "yaw_deg": stats.uniform(-180.0, 360.0),
+        "tilt_deg": stats.truncnorm(-5.0, 5.0, 0.0, 3.0),
+        "roll_deg": stats.truncnorm(-8.0, 7.0, 1.0, 2.0),
+    }[name]
+
+
+@pytest.mark.parametrize("name", ["east_m", "north_m", "agl_m", "yaw_deg", "tilt_deg", "roll_deg"])
+def test_poses_have_the_distributions_that_were_asked_for(all_varied, name):
+    stats = pytest.importorskip("scipy.stats")
+    meant, flown = all_varied.meant, all_varied.poses
+    assert len(all_varied) > 2000
+    if name in ("east_m", "north_m"):
+        azimuth, _, length_m = Geod(ellps="WGS84").inv(meant.lon_deg, meant.lat_deg, flown.lon_deg, flown.lat_deg)
+        found = length_m * (np.sin if name == "east_m" else np.cos)(np.radians(azimuth))
+    else:
+        found = getattr(flown, name)
+    assert stats.kstest(found[:2000], distribution_of(stats, name).cdf).pvalue > 0.01
+
+
+def test_rows_are_where_they_are_without(all_varied):
+    still = planned(frame="camera")
+    for name in ("lat_deg", "lon_deg", "agl_m", "yaw_deg", "tilt_deg"):
+        np.testing.assert_array_equal(getattr(all_varied.meant, name), getattr(still.poses, name))
+
+
+def test_a_height_takes_the_place_of_the_missions():
+    made = planned("agl_m=uniform(90,110)", area=Points(((47.0, 8.0, 100.0), (47.0, 8.1, 300.0))))
+    alone = planned("agl_m=uniform(90,110)", area=Points(((47.0, 8.0, 100.0),)))
+    assert 90.0 <= made.agl_m[0] <= 110.0
+    assert 290.0 <= made.agl_m[1] <= 310.0
+    # Another point changes nothing.
+    assert made.agl_m[0] == alone.agl_m[0]
+
+
+def test_an_angle_turns_with_its_row():
+    made = planned("yaw_deg=uniform(-5,5)", facing="track", order="serpentine", row_azimuth_deg=30.0)
+    away = wrap_lon_deg(made.poses.yaw_deg - made.meant.yaw_deg)
+    assert np.abs(away).max() <= 5.0
+    assert np.abs(away).max() > 4.0
+    assert len(np.unique(np.round(made.meant.yaw_deg))) == 2
+
+
+def test_poses_in_wind_vary_as_well():
+    from terrainav.core.mission.flight.wind import Wind
+
+    wind = Wind(5.0, 270.0, 0.2)
+    both, only = planned("east_m=uniform(-20,20)", wind=wind), planned(wind=wind)
+    _, _, moved_m = Geod(ellps="WGS84").inv(only.lon_deg, only.lat_deg, both.lon_deg, both.lat_deg)
+    assert 19.0 < moved_m.max() <= 20.0
+    np.testing.assert_array_equal(both.poses.yaw_deg, only.poses.yaw_deg)
+
+
+@pytest.mark.parametrize("lat_deg", [-89.9, 60.0, 84.9])
+def test_offsets_are_metres_anywhere(lat_deg):
+    texts = ("east_m=choice(30)", "north_m=choice(-40)")
+    if abs(lat_deg) > 85.0:
+        with pytest.raises(InvalidInput, match="beyond the map"):
+            planned(*texts, area=Points(((lat_deg, 179.9999, 100.0),)))
+        return
+    made = planned(*texts, area=Points(((lat_deg, 179.9999, 100.0),)))
+    azimuth, _, length_m = Geod(ellps="WGS84").inv(
+        made.meant.lon_deg[0], made.meant.lat_deg[0], made.lon_deg[0], made.lat_deg[0]
+    )
+    assert length_m == pytest.approx(50.0, abs=1e-6)
+    assert azimuth == pytest.approx(90.0 + np.degrees(np.arctan2(40.0, 30.0)), abs=1e-4)
+    # Longitudes go on across the antimeridian.
+    assert abs(made.lon_deg[0] - 179.9999) < 0.01
+
+
+def test_a_field_does_not_depend_on_others():
+    one, both = planned("agl_m=uniform(90,110)"), planned("east_m=uniform(0,4)", "agl_m=uniform(90,110)")
+    np.testing.assert_array_equal(one.agl_m, both.agl_m)
+    assert (planned("agl_m=uniform(90,110)", seed=1).agl_m != one.agl_m).all()
+
+
+def test_a_part_of_a_plan_has_its_values():
+    made = planned("east_m=uniform(-9,9)")
+    which = np.array([7, 3, 100])
+    part = made.part(which)
+    assert [part.drawn(index) for index in range(3)] == [made.drawn(index) for index in which.tolist()]
+    assert set(made.drawn(0)) == {"east_m"}
+
+
+def test_images_that_turn_are_as_the_camera_sees_them():
+    assert planned("agl_m=uniform(90,110)", "east_m=uniform(-1,1)").frames.on_map
+    made = planned("roll_deg=uniform(-5,5)")
+    assert not made.frames.on_map
+    assert "turned at random" in dict(made.accuracy.lines())["method of image"]
+
+
+def test_preview_estimate_and_files_show_the_poses_that_are_flown(tmp_path):
+    made = planned("east_m=uniform(-20,20)", "yaw_deg=uniform(-180,180)", area=Box(47.402, 8.50, 47.40, 8.503))
+    write_plan(made, tmp_path / "plan.geojson")
+    drawn = json.loads((tmp_path / "plan.geojson").read_text())["features"]
+    for index, feature in enumerate(drawn):
+        lon, lat = np.array(feature["geometry"]["coordinates"][0][:4]).T
+        corners_lon, corners_lat = made.corners.lon_deg[index], made.corners.lat_deg[index]
+        assert {(round(x, 6), round(y, 6)) for x, y in zip(lon, lat)} == {
+            (round(x, 6), round(y, 6)) for x, y in zip(corners_lon, corners_lat)
+        }
+    assert made.coverage.share < planned(area=Box(47.402, 8.50, 47.40, 8.503)).coverage.share == 1.0
+
+
+def test_whole_numbers_are_drawn_whole(monkeypatch):
+    from terrainav.core.mission.parts import Varied, varied
+    from terrainav.core.mission.parts.pictures import Pixels
+
+    monkeypatch.setattr(varied, "_PARTS", (Pixels,))
+    variable_fields.cache_clear()
+    try:
+        part = Varied(vary=("image_px=uniform(1,4)",))
+        drawn = [part.draw(0, str(image))["image_px"] for image in range(300)]
+        assert set(drawn) == {1, 2, 3, 4}
+        assert all(type(value) is int for value in drawn)
+    finally:
+        variable_fields.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("texts", "why"),
+    [
+        (("agl_m=normal(100,10)",), "has no bounds, and height above ground must be above 0; add bounds"),
+        (("agl_m=uniform(-1,5)",), "height above ground -1.0 m: must be above 0"),
+        (("tilt_deg=uniform(0,181)",), "tilt 181.0 deg: must be from -180 to 180"),
+        (("tilt_deg=normal(0,1)",), "has no bounds, and tilt must be from -180 to 180"),
+        (("tilt_deg=lognormal(1,1)",), "has no bounds"),
+        (("layout=uniform(0,1)",), "layout is none of the numbers that may vary, which are east_m, north_m, agl_m"),
+        (("high=uniform(0,1)",), "high is none of the numbers that may vary"),
+        (("agl_m=uniform(90,110)", "agl_m=uniform(80,110)"), "agl_m is there twice"),
+        (("agl_m",), "must be as exposure_ms=lognormal(4,0.5)"),
+        ((4.0,), "must be text"),
+        (("agl_m=choice(100,1e10)",), "at most"),
+    ],
+)
+def test_what_cannot_vary_is_refused_in_one_line(texts, why):
+    with pytest.raises(InvalidInput) as wrong:
+        planned(*texts)
+    assert why in str(wrong.value)
+    assert "\n" not in str(wrong.value)
+    assert wrong.value.field == "vary"
+
+
+def test_cameras_on_the_ground_are_refused():
+    with pytest.raises(InvalidInput, match="one of the cameras would be -"):
+        planned("agl_m=uniform(90,110)", area=Points(((47.0, 8.0, 100.0), (47.0, 8.1, 0.5))), agl_m=200.0)
+
+
+def test_heights_may_have_a_tail_where_only_their_arithmetic_is_bounded():
+    made = planned("agl_m=lognormal(100,0.1)")
+    assert 60.0 < made.agl_m.min() < 80.0
+    assert made.agl_m.max() > 130.0
+
+
+def test_the_command_takes_several_fields():
+    given = {"coords": "47.41_8.50_47.40_8.52_100", "vary": ("agl_m=uniform(90,110)", "tilt_deg=uniform(0,4)")}
+    mission = build_mission(resolve(given, {}))
+    assert mission.varied.vary == given["vary"]
+    assert Mission.from_json(mission.to_json()) == mission
+    in_environment = {"TERRAINAV_VARY": "agl_m=uniform(90,110) tilt_deg=uniform(0,4)"}
+    assert build_mission(resolve({"coords": given["coords"]}, in_environment)) == mission
+
+
+def test_missions_without_are_as_they_were():
+    mission = Mission(FIELD, 100.0, Camera(60.0))
+    assert "varied" not in mission.to_dict()
+    assert plan(mission, GRID).settings(0) is mission
+    assert plan(mission, GRID).drawn(0) == {}

@@ -1,0 +1,38 @@
+"""What refusals of random values advise."""
+
+from __future__ import annotations
+
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.areas.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+from tests.support.remedies import Case, remedy
+
+
+def vary(text: str) -> Mission:
+    return Mission(Box(35.16, -89.90, 35.159, -89.899), 120.0, vary=(text,))
+
+
+@remedy(
+    "mission/parts/varied.py",
+    "vary {}: has no bounds, and {} must be {}; add bounds, such as within(1,2)",
+)
+def _without_bounds(case: Case) -> None:
+    case.refused(lambda: vary("agl_m=normal(100,20)"))
+    case.follow("add bounds, such as within(1,2)", lambda: vary("agl_m=normal(100,20)within(60,140)"))
+
+
+@remedy(
+    "mission/flight/varied.py",
+    "vary {}: one of the cameras would be {} m above the ground; fly higher, or choose another distribution",
+)
+def _below_ground(case: Case) -> None:
+    def planned(agl_m: float, text: str) -> None:
+        # The second point is lower than the mission's height, which is that of the first.
+        area = Points(((35.1, -89.9, agl_m), (35.1, -89.9, agl_m - 90.0)))
+        plan(Mission(area, agl_m, vary=(text,)), PixelGrid())
+
+    case.refused(lambda: planned(100.0, "agl_m=uniform(50,60)"))
+    case.follow("fly higher", lambda: planned(150.0, "agl_m=uniform(120,130)"))
+    case.follow("choose another distribution", lambda: planned(100.0, "agl_m=uniform(99,101)"))
