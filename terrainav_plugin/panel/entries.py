@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -46,12 +47,13 @@ class _Access(NamedTuple):
 
 
 class WordsLine(QLineEdit):
-    """Line for words separated by spaces, or names separated by commas."""
+    """Line for words separated by spaces, or names separated by commas; neither separates inside of brackets."""
 
     def words(self) -> tuple[str, ...]:
         """Return the words entered."""
         text = self.text()
-        parts = text.split(",") if "," in text else text.split()
+        separator = "," if "," in re.sub(r"\([^()]*\)", "", text) else r"\s"
+        parts = re.split(separator + r"(?![^()]*\))", text)
         return tuple(part.strip() for part in parts if part.strip())
 
     def enter(self, words: tuple[str, ...]) -> None:
