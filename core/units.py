@@ -49,6 +49,7 @@ UNITS = {
     "m/s": Unit(Message("m/s"), Message("metres per second"), " m/s", 3),
     "s": Unit(Message("s"), Message("seconds"), " s", 3),
     "ms": Unit(Message("ms"), Message("milliseconds"), " ms", 3),
+    "us": Unit(Message("µs"), Message("microseconds"), " µs", 3),
     "min": Unit(Message("min"), Message("minutes"), " min", 1),
     "share": Unit(Message("%"), Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0),
 }

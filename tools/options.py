@@ -52,6 +52,7 @@ _PARTS = {
     "terrain": "Relief and buildings",
     "route": "Flight path",
     "labels": "Labels of pixels",
+    "shutter": "Shutter and motion",
     "varied": "Random values of images",
     "output": "Output",
 }

@@ -32,6 +32,7 @@ from .parts import (
     PixelLabels,
     Pixels,
     Route,
+    Shutter,
     Terrain,
     Varied,
 )
@@ -95,6 +96,7 @@ class Mission:
     terrain: Terrain
     route: Route
     labels: PixelLabels
+    shutter: Shutter
     varied: Varied
     output: Output
     no_fly: tuple[Polygon, ...]
@@ -123,6 +125,12 @@ class Mission:
                 asked[0],
                 field="products",
                 remedy=Message("name vector layers{0}", OptionName("labels").in_brackets),
+            )
+        if parts["shutter"].motion_blur and parts["route"].exposure_ms is None:
+            raise InvalidInput(
+                "blur by motion: needs an exposure time",
+                field="motion_blur",
+                remedy=Message("give one{0}", OptionName("exposure_ms").in_brackets),
             )
         if parts["wind"] is not None:
             parts["wind"].checked(parts["flight"].airspeed_m_per_s)

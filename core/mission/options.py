@@ -12,7 +12,20 @@ from ..geodesy.lens import Lens
 from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES, MAX_VARIED, MAX_VECTOR_LAYERS
 from ..numbers import integer, real_number
 from ..units import LENGTHS_M
-from .parts import AUTO, Accuracy, Attitude, Flight, Imagery, Output, PixelLabels, Pixels, Route, Terrain, Varied
+from .parts import (
+    AUTO,
+    Accuracy,
+    Attitude,
+    Flight,
+    Imagery,
+    Output,
+    PixelLabels,
+    Pixels,
+    Route,
+    Shutter,
+    Terrain,
+    Varied,
+)
 from .presets import PRESET_NAMES
 
 #: Kinds of missions.
@@ -241,7 +254,7 @@ OPTIONS: tuple[Option, ...] = (
     *_fields(Imagery),
     _image_px(),
     *_fields(Pixels, but=("image_px",)),
-    *_fields(Accuracy, Terrain, Route, PixelLabels, Varied, Output),
+    *_fields(Accuracy, Terrain, Route, PixelLabels, Shutter, Varied, Output),
     Option(
         "dataset",
         str,

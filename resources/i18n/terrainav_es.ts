@@ -12554,6 +12554,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/clock.py"/>
+        <location filename="../../core/units.py"/>
         <source>microseconds</source>
         <translation>microsegundos</translation>
     </message>
@@ -14146,6 +14147,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>blur by motion: needs an exposure time</source>
+        <translation>desenfoque por movimiento: necesita un tiempo de exposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>give one{0}</source>
+        <translation>indique uno{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>mission field {0!r} is {1!r}: must be a list of polygons</source>
         <translation>el campo {0!r} de la misión es {1!r}: debe ser una lista de polígonos</translation>
     </message>
@@ -14451,6 +14462,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/flown.py"/>
+        <source>greatest motion blur</source>
+        <translation>mayor desenfoque de movimiento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/flown.py"/>
         <source>greatest motion of the ground in an image during the exposure time, straight below the camera</source>
         <translation>mayor movimiento del terreno en una imagen durante el tiempo de exposición, justo debajo de la cámara</translation>
     </message>
@@ -14520,11 +14536,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/flown.py"/>
         <source>minimum image interval</source>
         <translation>intervalo mínimo de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts/flown.py"/>
-        <source>motion blur</source>
-        <translation>desenfoque de movimiento</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/flown.py"/>
@@ -14644,8 +14655,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/flown.py"/>
-        <source>time that the shutter is open; with the motion blur it limits the speed of the flight, and does not blur the images</source>
-        <translation>tiempo que el obturador está abierto; con el desenfoque de movimiento limita la velocidad del vuelo, y no desenfoca las imágenes</translation>
+        <source>time that the shutter is open; with the greatest motion blur it limits the speed of the flight</source>
+        <translation>tiempo que el obturador está abierto; junto con el mayor desenfoque de movimiento limita la velocidad del vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/flown.py"/>
@@ -15111,6 +15122,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/pictures.py"/>
         <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
         <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dé uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/shutter.py"/>
+        <source>blur by motion</source>
+        <translation>desenfoque por movimiento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/shutter.py"/>
+        <source>blur images by the motion of the camera during the exposure time</source>
+        <translation>desenfoca las imágenes según el movimiento de la cámara durante el tiempo de exposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/shutter.py"/>
+        <source>row time</source>
+        <translation>tiempo por fila</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/shutter.py"/>
+        <source>time from the exposure of a row of pixels to that of the next one (rolling shutter), from the top of the image to its bottom; 0 for a global shutter</source>
+        <translation>tiempo desde la exposición de una fila de píxeles hasta la de la siguiente (obturador rodante), de la parte superior de la imagen a la inferior; 0 para un obturador global</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/terrain.py"/>

@@ -100,6 +100,7 @@ _OTHERS = {
     "img_size": (64, 48, 1),
     "skip_rows": "3,7-9",
     "split_after": "120,340",
+    "exposure_ms": 2.5,
 }
 #: Fields that others require.
 _NEEDED = {
@@ -107,6 +108,7 @@ _NEEDED = {
     "buildings": ("elevation",),
     "battery_min": ("takeoff",),
     "split_after": ("takeoff",),
+    "motion_blur": ("exposure_ms",),
 }
 
 

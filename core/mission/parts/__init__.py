@@ -6,6 +6,7 @@ In reading order:
 - `terrain`: relief and buildings
 - `pictures`: imagery, pixels, accuracy and files
 - `labels`: labels of pixels
+- `shutter`: motion blur and rolling shutter
 - `varied`: random values of images
 """
 
@@ -49,6 +50,7 @@ from .pictures import (
     Output,
     Pixels,
 )
+from .shutter import Shutter
 from .terrain import (
     ELLIPSOID,
     FILL,
@@ -105,6 +107,7 @@ __all__ = [
     "PixelLabels",
     "Pixels",
     "Route",
+    "Shutter",
     "Terrain",
     "Varied",
     "utc_time",
@@ -120,9 +123,10 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "terrain": Terrain,
     "route": Route,
     "labels": PixelLabels,
+    "shutter": Shutter,
     "varied": Varied,
     "output": Output,
 }
 
 #: Parts of a real camera's effects, in the order in which light meets them; with their defaults a camera is ideal.
-REALISM_PARTS: tuple[str, ...] = ("varied",)
+REALISM_PARTS: tuple[str, ...] = ("shutter", "varied")

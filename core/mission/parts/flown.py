@@ -379,8 +379,7 @@ class Route(CheckedFields):
     exposure_ms: float | None = declared(
         None,
         title="exposure time",
-        help="time that the shutter is open; with the motion blur it limits the speed of the flight, and does not blur "
-        "the images",
+        help="time that the shutter is open; with the greatest motion blur it limits the speed of the flight",
         unit="ms",
         above=0.0,
         most=10_000.0,
@@ -389,7 +388,7 @@ class Route(CheckedFields):
     )
     blur_px: float = declared(
         0.5,
-        title="motion blur",
+        title="greatest motion blur",
         help="greatest motion of the ground in an image during the exposure time, straight below the camera",
         unit="px",
         above=0.0,

@@ -41,6 +41,13 @@ def _corners(case: Case) -> None:
     case.follow("give the top-left corner first", lambda: Box(35.1, 10.0, 35.0, 10.1))
 
 
+@remedy("mission/mission.py", "blur by motion: needs an exposure time; give one (--exposure-ms)")
+def _no_exposure(case: Case) -> None:
+    made = partial(Mission, AREA, 120.0, motion_blur=True)
+    case.refused(made)
+    case.follow("give one (--exposure-ms)", partial(made, exposure_ms=5.0))
+
+
 @remedy(
     "mission/areas/area.py",
     "time of point {}: is before that of the one before it; put the points in the order of their times",
