@@ -51,7 +51,7 @@ MAX_PICTURE_PX = 200_000_000
 MAX_PICTURE_BYTES = 8 * MAX_PICTURE_PX
 #: Largest image file that is read: that of the largest image, uncompressed; it is in memory.
 MAX_IMAGE_FILE_BYTES = MAX_PICTURE_BYTES + MAX_PICTURE_EXTRA_BYTES
-#: Files of one image in a shard: the image, its row, sidecar files and products. There are ten kinds.
+#: Files of one image in a shard: the image, its row, sidecar files and products. There are eleven kinds.
 MAX_IMAGE_MEMBERS = 100
 #: Pixels along the longer side of an image.
 MAX_PICTURE_SIDE_PX = 20_000

@@ -50,6 +50,11 @@ UNITS = {
     "s": Unit(Message("s"), Message("seconds"), " s", 3),
     "ms": Unit(Message("ms"), Message("milliseconds"), " ms", 3),
     "us": Unit(Message("µs"), Message("microseconds"), " µs", 3),
+    "um": Unit(Message("µm"), Message("micrometres"), " µm", 3),
+    "e": Unit(Message("e-"), Message("electrons"), " e⁻", 1),
+    "e/s": Unit(Message("e-/s"), Message("electrons per second"), " e⁻/s", 3),
+    "DN": Unit(Message("DN"), Message("digital numbers"), " DN", 1),
+    "DN/e": Unit(Message("DN/e-"), Message("digital numbers per electron"), " DN/e⁻", 4),
     "min": Unit(Message("min"), Message("minutes"), " min", 1),
     "share": Unit(Message("%"), Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0),
 }

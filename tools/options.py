@@ -53,6 +53,7 @@ _PARTS = {
     "route": "Flight path",
     "labels": "Labels of pixels",
     "shutter": "Shutter and motion",
+    "sensor": "Image sensor",
     "varied": "Random values of images",
     "output": "Output",
 }

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..arrays import NDArray
+from ..arrays import NDArray, Scalar
 
 Singles = NDArray[np.float32]
 #: Orders of the colours of the upper left pixels: two of the first row, two of the second.
@@ -21,9 +21,9 @@ _CORNERS = ((-1, -1), (-1, 1), (1, -1), (1, 1))
 _MARGIN = 2
 
 
-def mosaic(planes: NDArray[np.generic], pattern: str) -> NDArray[np.generic]:
+def mosaic(planes: NDArray[Scalar], pattern: str) -> NDArray[Scalar]:
     """The colour (h, w) that each pixel of an image (h, w, 3) in red, green and blue measures."""
-    measured = np.empty(planes.shape[:2], planes.dtype)
+    measured: NDArray[Scalar] = np.empty(planes.shape[:2], planes.dtype)
     for band, row, column in _sites(pattern):
         measured[row::2, column::2] = planes[row::2, column::2, band]
     return measured
@@ -94,7 +94,8 @@ class _Neighbours:
         if method == BILINEAR:
             return near * np.float32(0.25)
         far = self._sum((-2, 0), (2, 0), (0, -2), (0, 2))
-        return (6 * self.own + 2 * near - np.float32(1.5) * far) * np.float32(0.125)
+        found: Singles = (6 * self.own + 2 * near - np.float32(1.5) * far) * np.float32(0.125)
+        return found
 
     def beside(self, method: str) -> Singles:
         """Colour of the pixels to the left and right of a green one."""

@@ -20,11 +20,12 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
 from ..labels.label_map import LabelMap
 from ..mission.export.rows import clock
-from ..mission.parts import CLASSES, INTERPOLATE, LABELLED
+from ..mission.parts import CLASSES, INTERPOLATE, LABELLED, RAW
 from ..mission.plan import Plan
 from ..picture.effects import Development, Facts
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures, plan_optics
+from ..picture.scene import RawValues
 from ..picture.shot import MapShot, Shot, draw, make_shot
 from ..storage.files import write_whole
 from .georeference import ControlPoints, Georeference
@@ -96,10 +97,11 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     picture, sky, unmapped, facades = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands)
     description = job.description
     facts: Facts = ()
+    raw: RawValues | None = None
     if isinstance(job.shot, Shot):
         description = replace(description, more=_camera_metadata(job.shot))
     if job.development is not None:
-        picture, facts = job.development.develop(picture, job.shot, len(job.bands))
+        picture, facts, raw = job.development.develop(picture, job.shot, len(job.bands))
         stated = tuple((name.upper(), stated_fact(value)) for name, value in facts)
         description = replace(description, more=(*description.more, *stated))
     picture = resized(picture, job.img_size, job.bands)
@@ -116,6 +118,9 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
                 continue
             limits = [_value_range(values[..., band]) for band in range(len(BANDS[name]))]
             write_picture(folder / name, "tif", values, job.place, description, BANDS[name], limits, job.write)
+        if raw is not None and RAW in plan.mission.products:
+            limits = [(0.0, float(raw.most_dn))] * len(raw.bands)
+            write_picture(folder / RAW, "tif", raw.values, job.place, description, raw.bands, limits, job.write)
     if job.bands == RGB:
         size_bytes = write_picture(job.folder, job.image_format, picture, job.place, description, write=job.write)
         bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)

@@ -7,6 +7,7 @@ In reading order:
 - `clock`: units and plausibility of times
 - `pose_table`, `litchi_table`: poses from tables with a header, and from Litchi missions
 - `cameras`: cameras by name, shipped and added by users
+- `sensors`: image sensors by name, with the figures of their data sheets
 - `imageries`: named combinations of source, date and map type
 - `mission`: the mission, one value made of parts, to and from JSON
 - `presets`: starting values for mapping, navigation and machine learning

@@ -24,10 +24,12 @@ from .parts import (
     FLAT_PARTS,
     LABELLED,
     PAPER,
+    RAW,
     Accuracy,
     Attitude,
     Flight,
     Imagery,
+    ImageSensor,
     Output,
     PixelLabels,
     Pixels,
@@ -97,6 +99,7 @@ class Mission:
     route: Route
     labels: PixelLabels
     shutter: Shutter
+    sensor: ImageSensor
     varied: Varied
     output: Output
     no_fly: tuple[Polygon, ...]
@@ -132,6 +135,8 @@ class Mission:
                 field="motion_blur",
                 remedy=Message("give one{0}", OptionName("exposure_ms").in_brackets),
             )
+        if RAW in parts["output"].products:
+            _check_raw(parts["sensor"], parts["output"])
         if parts["wind"] is not None:
             parts["wind"].checked(parts["flight"].airspeed_m_per_s)
         # Drop duplicates, and accept a list.
@@ -263,6 +268,21 @@ class Mission:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the mission to a file, completely or not at all."""
         write_whole(path, self.to_json().encode())
+
+
+def _check_raw(sensor: ImageSensor, output: Output) -> None:
+    """Refuse raw values without a sensor, and those of resized images."""
+    if not sensor.image_sensor:
+        raise InvalidInput(
+            "product {0}: needs an image sensor",
+            RAW,
+            field="products",
+            remedy=Message("name one{0}", OptionName("image_sensor").in_brackets),
+        )
+    if output.img_size is not None:
+        raise InvalidInput(
+            "product {0}: has the pixels of the sensor, of which resized images have none", RAW, field="products"
+        )
 
 
 def flat_fields() -> Iterator[Field]:

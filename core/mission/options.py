@@ -18,6 +18,7 @@ from .parts import (
     Attitude,
     Flight,
     Imagery,
+    ImageSensor,
     Output,
     PixelLabels,
     Pixels,
@@ -254,7 +255,7 @@ OPTIONS: tuple[Option, ...] = (
     *_fields(Imagery),
     _image_px(),
     *_fields(Pixels, but=("image_px",)),
-    *_fields(Accuracy, Terrain, Route, PixelLabels, Shutter, Varied, Output),
+    *_fields(Accuracy, Terrain, Route, PixelLabels, Shutter, ImageSensor, Varied, Output),
     Option(
         "dataset",
         str,

@@ -13,6 +13,8 @@ In reading order:
 - `labels`: opens the labels of a mission
 - `products`: depth, ground points, normals, faces, classes and instances of every pixel
 - `optics`: the camera of a picture: focal length, principal point, time
+- `scene`: a picture's light on its way through a camera
+- `sensor`: the image sensor's part in it
 - `effects`: what a real camera makes of a picture
 - `cost`: processor time of pictures on this machine
 """

@@ -101,6 +101,7 @@ _OTHERS = {
     "skip_rows": "3,7-9",
     "split_after": "120,340",
     "exposure_ms": 2.5,
+    "image_sensor": "Allied Vision Alvium 1800 C-507m",
 }
 #: Fields that others require.
 _NEEDED = {
@@ -109,6 +110,22 @@ _NEEDED = {
     "battery_min": ("takeoff",),
     "split_after": ("takeoff",),
     "motion_blur": ("exposure_ms",),
+    **dict.fromkeys(
+        (
+            "quantum_efficiency",
+            "full_well_e",
+            "read_noise_e",
+            "dark_current_e_per_s",
+            "dsnu_e",
+            "prnu",
+            "gain_dn_per_e",
+            "black_level_dn",
+            "adc_bits",
+            "bayer",
+            "demosaicing",
+        ),
+        ("image_sensor",),
+    ),
 }
 
 

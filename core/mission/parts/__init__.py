@@ -7,6 +7,7 @@ In reading order:
 - `pictures`: imagery, pixels, accuracy and files
 - `labels`: labels of pixels
 - `shutter`: motion blur and rolling shutter
+- `sensor`: pixels, noise and converter of the image sensor
 - `varied`: random values of images
 """
 
@@ -44,12 +45,14 @@ from .pictures import (
     CLASSES,
     INSTANCES,
     LABELLED,
+    RAW,
     RAYS,
     Accuracy,
     Imagery,
     Output,
     Pixels,
 )
+from .sensor import NO_BAYER, ImageSensor
 from .shutter import Shutter
 from .terrain import (
     ELLIPSOID,
@@ -90,8 +93,10 @@ __all__ = [
     "MOST_SORTIES",
     "NEAREST",
     "NORTH",
+    "NO_BAYER",
     "ONE_WAY",
     "PAPER",
+    "RAW",
     "RAYS",
     "REALISM_PARTS",
     "REFUSE",
@@ -102,6 +107,7 @@ __all__ = [
     "Accuracy",
     "Attitude",
     "Flight",
+    "ImageSensor",
     "Imagery",
     "Output",
     "PixelLabels",
@@ -124,9 +130,10 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "route": Route,
     "labels": PixelLabels,
     "shutter": Shutter,
+    "sensor": ImageSensor,
     "varied": Varied,
     "output": Output,
 }
 
 #: Parts of a real camera's effects, in the order in which light meets them; with their defaults a camera is ideal.
-REALISM_PARTS: tuple[str, ...] = ("shutter", "varied")
+REALISM_PARTS: tuple[str, ...] = ("shutter", "sensor", "varied")

@@ -16,6 +16,8 @@ from ..imageries import NamedImagery, named_imageries
 
 #: Products of labels and buildings.
 LABELLED = CLASSES, INSTANCES = ("classes", "instances")
+#: The product of the values of an image sensor.
+RAW = "raw"
 #: The cheapest frame or mesh that fits the error budget.
 AUTO = "auto"
 #: One ray per pixel of a camera frame instead of a mesh.
@@ -353,7 +355,7 @@ class Output(CheckedFields):
         title="products",
         help="files with a value for every pixel, written beside the images: depth along the optical axis, ground "
         "points, normals, the mask of faces that no map shows, and the class and instance of labels and buildings; of "
-        "all map types together",
+        "all map types together; raw holds the values of an image sensor before demosaicing and development",
         choices={
             "depth": "Depth along the optical axis",
             "points": "Ground points",
@@ -361,6 +363,7 @@ class Output(CheckedFields):
             "facades": "Faces that no map shows",
             CLASSES: "Classes of labels and buildings",
             INSTANCES: "Instances of labels and buildings",
+            RAW: "Raw values of the image sensor",
         },
         advanced=True,
         check=_check_products,

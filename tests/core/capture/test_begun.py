@@ -60,6 +60,7 @@ OTHERS = {
     "image_px": [200, 150],
     "skip_rows": "1",
     "split_after": "2",
+    "image_sensor": "custom",
 }
 FIELDS = [(part, one) for part, kind in FLAT_PARTS.items() for one in declared_fields(kind)]
 
@@ -74,7 +75,7 @@ def another(one, value):
         return not value
     if one.kind in (int, float):
         number = one.default if value is None and isinstance(one.default, (int, float)) else value
-        return one.kind((number or 0) * 1.1 + 1) if one.most is None or one.most > 1 else number / 2.0 + 0.1
+        return one.kind((number or 0) * 1.1 + 1) if one.most is None or one.most > 1 else (number or 0.0) / 2.0 + 0.1
     raise AssertionError(f"no other value of {one.name} is known")
 
 

@@ -457,3 +457,18 @@ def _year_10000(case: Case) -> None:
     times = np.array([0.0, 3600.0])
     case.refused(lambda: clock("9999-12-31T23:30:00Z", times))
     case.follow("start earlier", lambda: clock("9999-12-31T21:30:00Z", times))
+
+
+@remedy("mission/parts/sensor.py", "{} {}: needs an image sensor; name one, or {} (--image-sensor)")
+def _no_sensor(case: Case) -> None:
+    case.refused(lambda: Mission(AREA, 120.0, read_noise_e=3.0))
+    case.follow("name one", lambda: Mission(AREA, 120.0, read_noise_e=3.0, image_sensor="Alvium 1800 C-507m"))
+    own = {"image_sensor": "custom", "pixel_um": 3.45, "quantum_efficiency": 0.6, "full_well_e": 10_000.0}
+    case.follow("or custom (--image-sensor)", lambda: Mission(AREA, 120.0, read_noise_e=3.0, **own))
+
+
+@remedy("mission/mission.py", "product {}: needs an image sensor; name one (--image-sensor)")
+def _no_raw(case: Case) -> None:
+    case.refused(lambda: Mission(AREA, 120.0, products=("raw",)))
+    named = {"image_sensor": "Alvium 1800 C-507m"}
+    case.follow("name one (--image-sensor)", lambda: Mission(AREA, 120.0, products=("raw",), **named))
