@@ -3,7 +3,8 @@
 In reading order:
 
 - `ellipsoid`: radii, areas, and intersections of rays with the ground
-- `lens`: field of view and ground size of cameras, in plain numbers
+- `lens`: field of view, distortion and ground size of cameras, in plain numbers
+- `distortion`: distortion of lenses, and its inverse
 - `camera`: rays and image points of cameras, and their poses
 - `footprint`: the ground that the exact camera sees: corners and outline
 - `reference`: reading coordinate reference systems safely, without files

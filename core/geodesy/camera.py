@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Floats, NDArray
+from ..errors import InvalidInput
+from .distortion import BrownConrady, FisheyeLens, PerspectiveLens
 from .ellipsoid import arctan2, sin_cos
-from .lens import Lens
+from .lens import FISHEYE, Lens
 
 #: Image coordinates (right, up), each -1..1, of a north-up camera's corners north-west, north-east, south-east,
 #: south-west.
@@ -20,7 +24,85 @@ EDGE_MIDPOINTS = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 
 @dataclass(frozen=True)
 class Camera(Lens):
-    """An ideal pinhole camera with square pixels; see `Lens`."""
+    """A camera with square pixels; see `Lens`.
+
+    Directions are linear in points of the *ideal image*, that of a pinhole camera with the same focal length and a
+    centred axis. A camera that `distorts` has other points in its own image.
+    """
+
+    def __post_init__(self) -> None:
+        """Check every field, and that the distortion does not fold the image."""
+        super().__post_init__()
+        if self.distorts:
+            if self.lens == FISHEYE and any((self.k5, self.k6, self.p1, self.p2)):
+                name = next(one for one in ("k5", "k6", "p1", "p2") if getattr(self, one) != 0.0)
+                raise InvalidInput("{0} {1:g}: a fisheye has k1 to k4 only", name, getattr(self, name), field=name)
+            _ = self._distortion
+
+    @property
+    def _distortion(self) -> PerspectiveLens | FisheyeLens:
+        """Distortion in focal lengths about the principal point."""
+        k = (self.k1, self.k2, self.k3, self.k4, self.k5, self.k6)
+        return _fitted(self.lens, k, self.p1, self.p2, self.half_tangents, (self.principal_x, self.principal_y))
+
+    def ideal_xy(self, image_xy: Floats) -> Floats:
+        """Points of the ideal image that image points show (..., 2), both right and up in half images.
+
+        The image itself unless the camera `distorts`.
+        """
+        if not self.distorts:
+            return image_xy
+        return self._flipped(*self._distortion.ideal(*self._seen_focal(image_xy)))
+
+    def seen_xy(self, ideal_xy: Floats) -> Floats:
+        """Image points of points of the ideal image (..., 2); the inverse of `ideal_xy`.
+
+        Far outside the image the distortion goes on with the slope that it has there, so that what is outside the image
+        appears outside.
+        """
+        if not self.distorts:
+            return ideal_xy
+        tan_x, tan_y = self.half_tangents
+        x, y = self._distortion.seen(ideal_xy[..., 0] * tan_x, ideal_xy[..., 1] * -tan_y)
+        return self._flipped(x, y) + self._axis_xy
+
+    def seen_slopes(self, ideal_xy: Floats) -> Floats:
+        """Derivatives (..., 2, 2) of image points by points of the ideal image, both in half images."""
+        tan_x, tan_y = self.half_tangents
+        if not self.distorts:
+            return np.broadcast_to(np.eye(2), (*ideal_xy.shape[:-1], 2, 2))
+        xx, xy, yx, yy = self._distortion.slopes(ideal_xy[..., 0] * tan_x, ideal_xy[..., 1] * -tan_y)
+        ratio = tan_y / tan_x
+        return np.stack([np.stack([xx, -xy * ratio], axis=-1), np.stack([-yx / ratio, yy], axis=-1)], axis=-2)
+
+    @property
+    def _axis_xy(self) -> Floats:
+        """Image point of the optical axis."""
+        return np.array([2.0 * self.principal_x, -2.0 * self.principal_y])
+
+    def _seen_focal(self, image_xy: Floats) -> tuple[Floats, Floats]:
+        """Image points in focal lengths from the principal point, right and down."""
+        return _in_focal_lengths(np.asarray(image_xy, np.float64) - self._axis_xy, self.half_tangents)
+
+    def _flipped(self, x: Floats, y: Floats) -> Floats:
+        """Points in half images, right and up, from focal lengths right and down."""
+        tan_x, tan_y = self.half_tangents
+        return np.stack([x / tan_x, y / -tan_y], axis=-1)
+
+    def of_colour(self, colour: str) -> Camera:
+        """Camera of one colour: ``red``, ``green`` or ``blue``."""
+        scale = 1.0 + {"red": self.red_scale, "green": 0.0, "blue": self.blue_scale}[colour]
+        if not self.splits_colours:
+            return self
+        if scale == 1.0:
+            return replace(self, red_scale=0.0, blue_scale=0.0)
+        half = math.hypot(*self.half_tangents) / scale
+        return replace(self, fov_deg=self._across_deg(half), red_scale=0.0, blue_scale=0.0)
+
+    @property
+    def border_xy(self) -> Floats:
+        """Points along the border of the image, by which bounds are found, (n, 2): the corners of an ideal one."""
+        return _BORDER if self.distorts else np.array(CORNERS)
 
     def rays_enu(
         self,
@@ -47,13 +129,18 @@ class Camera(Lens):
         array (..., k, 3)
             Not normalised: the part along the optical axis is 1.
         """
+        return self.ideal_rays_enu(self.ideal_xy(np.asarray(image_xy, np.float64)), yaw_deg, tilt_deg, roll_deg)
+
+    def ideal_rays_enu(
+        self, ideal_xy: Floats, yaw_deg: Floats | float, tilt_deg: Floats | float, roll_deg: Floats | float
+    ) -> Floats:
+        """Directions of points of the ideal image; otherwise as `rays_enu`."""
         right, image_up, axis = image_axes(yaw_deg, tilt_deg, roll_deg)
-        points = np.asarray(image_xy, np.float64)
         tan_x, tan_y = self.half_tangents
         rays: Floats = (
             axis[..., np.newaxis, :]
-            + (points[..., :1] * tan_x) * right[..., np.newaxis, :]
-            + (points[..., 1:] * tan_y) * image_up[..., np.newaxis, :]
+            + (ideal_xy[..., :1] * tan_x) * right[..., np.newaxis, :]
+            + (ideal_xy[..., 1:] * tan_y) * image_up[..., np.newaxis, :]
         )
         return rays
 
@@ -78,14 +165,11 @@ class Camera(Lens):
             Right and up, -1..1 inside the image; finite but meaningless for points behind the camera.
         in_front : array (..., k) of bool
         """
-        right, image_up, axis = (
-            np.einsum("...ki,...i->...k", vectors_enu, direction)
-            for direction in image_axes(yaw_deg, tilt_deg, roll_deg)
-        )
+        right, image_up, axis = _along_axes(vectors_enu, yaw_deg, tilt_deg, roll_deg)
         in_front = axis > 0.0
         depth = np.where(in_front, axis, 1.0)
         tan_x, tan_y = self.half_tangents
-        return np.stack([right / depth / tan_x, image_up / depth / tan_y], axis=-1), in_front
+        return self.seen_xy(np.stack([right / depth / tan_x, image_up / depth / tan_y], axis=-1)), in_front
 
     def side_excess(
         self,
@@ -107,18 +191,66 @@ class Camera(Lens):
         array (..., k, 4)
             For right, left, top and bottom: sine of the angle to the plane, divided by the sine of half the field of
             view. Not positive inside the image; at small angles outside, about the distance to the side in half images.
+            Sides of an image that is distorted are curved; the offsets have the same sign and slope there.
         """
-        right, image_up, axis = (
-            np.einsum("...ki,...i->...k", vectors_enu, direction)
-            for direction in image_axes(yaw_deg, tilt_deg, roll_deg)
-        )
+        right, image_up, axis = _along_axes(vectors_enu, yaw_deg, tilt_deg, roll_deg)
         tan_x, tan_y = self.half_tangents
         length = np.sqrt(np.sum(np.square(vectors_enu), axis=-1))
+        if self.distorts:
+            return self._curved_excess(right / length, image_up / length, axis / length)
         sides = [
             offset / tan - axis for value, tan in ((right, tan_x), (image_up, tan_y)) for offset in (value, -value)
         ]
         beyond: Floats = np.stack(sides, axis=-1) / length[..., np.newaxis]
         return beyond
+
+    def _curved_excess(self, right: Floats, image_up: Floats, axis: Floats) -> Floats:
+        """`side_excess` of unit vectors' parts, for a camera that distorts."""
+        lens = self._distortion
+        ahead = axis if isinstance(lens, PerspectiveLens) else np.ones_like(axis)
+        x, y = lens.seen_vectors(right, -image_up, axis)
+        at = self._flipped(x, y) + self._axis_xy * ahead[..., np.newaxis]
+        sides = [offset - ahead for value in (at[..., 0], at[..., 1]) for offset in (value, -value)]
+        return np.stack(sides, axis=-1)
+
+
+#: Points along each side of an image.
+_SIDE_POINTS = 16
+_SHARES = np.linspace(0.0, 1.0, _SIDE_POINTS, endpoint=False)[:, np.newaxis]
+_BORDER: Floats = np.concatenate(
+    [start + _SHARES * (end - start) for start, end in zip(np.array(CORNERS), np.roll(np.array(CORNERS), -1, axis=0))]
+)
+
+
+def _in_focal_lengths(image_xy: Floats, half_tangents: tuple[float, float]) -> tuple[Floats, Floats]:
+    return image_xy[..., 0] * half_tangents[0], image_xy[..., 1] * -half_tangents[1]
+
+
+@lru_cache(maxsize=256)
+def _fitted(
+    lens: str,
+    k: tuple[float, ...],
+    p1: float,
+    p2: float,
+    half_tangents: tuple[float, float],
+    principal: tuple[float, float],
+) -> PerspectiveLens | FisheyeLens:
+    """Distortion of a camera; raises InvalidInput if it folds the image."""
+    axis = np.array([2.0 * principal[0], -2.0 * principal[1]])
+    border = np.stack(_in_focal_lengths(_BORDER - axis, half_tangents), axis=-1)
+    if lens == FISHEYE:
+        return FisheyeLens.fitted(k[:4], border)
+    return PerspectiveLens.fitted(BrownConrady(k, p1, p2), border)
+
+
+def _along_axes(
+    vectors_enu: Floats, yaw_deg: Floats | float, tilt_deg: Floats | float, roll_deg: Floats | float
+) -> tuple[Floats, Floats, Floats]:
+    """Parts of vectors (..., k, 3) to the image's right and top, and along the view, (..., k) each."""
+    right, image_up, axis = (
+        np.einsum("...ki,...i->...k", vectors_enu, direction) for direction in image_axes(yaw_deg, tilt_deg, roll_deg)
+    )
+    return right, image_up, axis
 
 
 class Poses(NamedTuple):

@@ -1,10 +1,10 @@
-"""Field of view, aspect ratio and ground size of an ideal camera, in plain Python numbers."""
+"""Field of view, aspect ratio, distortion and ground size of a camera, in plain Python numbers."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ..errors import InvalidInput
 from ..fields import CheckedFields, declared, field_named
@@ -17,18 +17,33 @@ SQUARE_PIXELS = 0.03
 PAPER_FOV_DEG = 78.8
 #: Aspect ratio of the paper's camera.
 PAPER_ASPECT_RATIO = 4.0 / 3.0
+#: Kinds of lenses.
+PERSPECTIVE, FISHEYE = "perspective", "fisheye"
+LENSES = {PERSPECTIVE: "perspective", FISHEYE: "fisheye"}
+
+
+def _coefficient(title: str, help: str) -> Any:  # noqa: A002  as argparse calls it
+    return declared(0.0, title=title, help=help, advanced=True)
 
 
 @dataclass(frozen=True)
 class Lens(CheckedFields):
-    """The lens of an ideal pinhole camera with square pixels.
+    """The lens of a camera with square pixels; by default that of an ideal pinhole camera.
 
     Parameters
     ----------
     fov_deg : float
-        Diagonal field of view, in (0, 180) degrees.
+        Diagonal field of view of the lens without distortion and with a centred axis, in (0, 180) degrees: for a
+        focal length f and half a diagonal d of the image, 2 atan(d/f), and 2 d/f for a fisheye.
     aspect_ratio : float
         Image width over image height, > 0.
+    lens : str
+        ``perspective``, distorted after Brown and Conrady by k1 to k6, p1 and p2, or ``fisheye``, after Kannala and
+        Brandt by k1 to k4; as OpenCV defines them.
+    principal_x, principal_y : float
+        How far the principal point is right of the image's centre and below it, as shares of its width and height.
+    red_scale, blue_scale : float
+        Magnification of red and blue relative to green, minus 1.
     """
 
     fov_deg: float = declared(
@@ -42,6 +57,53 @@ class Lens(CheckedFields):
     )
     aspect_ratio: float = declared(
         PAPER_ASPECT_RATIO, title="aspect ratio", help="width of the image over its height", above=0.0
+    )
+    lens: str = declared(
+        PERSPECTIVE,
+        title="lens",
+        help="a perspective lens, or a fisheye, whose image is about as far from its centre as a ray is off the axis",
+        choices=LENSES,
+        advanced=True,
+    )
+    k1: float = _coefficient("distortion k1", "first radial coefficient of the lens's distortion, as OpenCV defines it")
+    k2: float = _coefficient("distortion k2", "second radial coefficient")
+    k3: float = _coefficient("distortion k3", "third radial coefficient")
+    k4: float = _coefficient("distortion k4", "fourth radial coefficient; of a perspective lens, in the denominator")
+    k5: float = _coefficient("distortion k5", "fifth radial coefficient of a perspective lens, in the denominator")
+    k6: float = _coefficient("distortion k6", "sixth radial coefficient of a perspective lens, in the denominator")
+    p1: float = _coefficient("distortion p1", "first tangential coefficient of a perspective lens")
+    p2: float = _coefficient("distortion p2", "second tangential coefficient of a perspective lens")
+    principal_x: float = declared(
+        0.0,
+        title="principal point, right",
+        help="how far the optical axis meets the image right of its centre, as a share of its width",
+        least=-0.5,
+        most=0.5,
+        advanced=True,
+    )
+    principal_y: float = declared(
+        0.0,
+        title="principal point, down",
+        help="how far the optical axis meets the image below its centre, as a share of its height",
+        least=-0.5,
+        most=0.5,
+        advanced=True,
+    )
+    red_scale: float = declared(
+        0.0,
+        title="scale of red",
+        help="magnification of red relative to green, minus 1: 0.001 moves a corner at 400 px outward by 0.4 px",
+        least=-0.1,
+        most=0.1,
+        advanced=True,
+    )
+    blue_scale: float = declared(
+        0.0,
+        title="scale of blue",
+        help="magnification of blue relative to green, minus 1",
+        least=-0.1,
+        most=0.1,
+        advanced=True,
     )
 
     @classmethod
@@ -127,13 +189,29 @@ class Lens(CheckedFields):
         return cls(fov_deg, aspect_ratio)
 
     @property
-    def half_tangents(self) -> tuple[float, float]:
-        """Tangents of half the horizontal and half the vertical field of view.
+    def distorts(self) -> bool:
+        """Whether pictures differ from those of an ideal pinhole camera with a centred axis."""
+        return self.lens != PERSPECTIVE or any(getattr(self, name) != 0.0 for name in _DISTORTION)
 
-        Equation 2 of the paper, without its sine and cosine of an arctangent, which lose all digits of the height at
-        extreme aspect ratios.
+    @property
+    def splits_colours(self) -> bool:
+        """Whether red, green and blue have pictures of their own."""
+        return self.red_scale != 0.0 or self.blue_scale != 0.0
+
+    @property
+    def is_ideal(self) -> bool:
+        """Whether the camera is an ideal pinhole camera with a centred axis."""
+        return not (self.distorts or self.splits_colours)
+
+    @property
+    def half_tangents(self) -> tuple[float, float]:
+        """Half the width and half the height of the image in focal lengths.
+
+        Of a perspective lens without distortion, the tangents of half the horizontal and half the vertical field of
+        view: equation 2 of the paper, without its sine and cosine of an arctangent, which lose all digits of the height
+        at extreme aspect ratios.
         """
-        diagonal = _half_tangent(self.fov_deg)
+        diagonal = _half_tangent(self.fov_deg) if self.lens == PERSPECTIVE else math.radians(self.fov_deg) / 2.0
         return (
             diagonal * (self.aspect_ratio / math.hypot(1.0, self.aspect_ratio)),
             diagonal / math.hypot(1.0, self.aspect_ratio),
@@ -141,13 +219,17 @@ class Lens(CheckedFields):
 
     @property
     def horizontal_fov_deg(self) -> float:
-        """Horizontal field of view in degrees."""
-        return _fov_deg(self.half_tangents[0])
+        """Horizontal field of view in degrees, without distortion."""
+        return self._across_deg(self.half_tangents[0])
 
     @property
     def vertical_fov_deg(self) -> float:
-        """Vertical field of view in degrees."""
-        return _fov_deg(self.half_tangents[1])
+        """Vertical field of view in degrees, without distortion."""
+        return self._across_deg(self.half_tangents[1])
+
+    def _across_deg(self, half: float) -> float:
+        """Field of view in degrees across twice ``half`` focal lengths of the image."""
+        return _fov_deg(half) if self.lens == PERSPECTIVE else math.degrees(2.0 * half)
 
     def ground_size_m(self, agl_m: float) -> tuple[float, float]:
         """Width and height in metres of flat ground seen straight down from ``agl_m`` (equations 1, 2)."""
@@ -172,6 +254,10 @@ class Lens(CheckedFields):
     def agl_m(self, gsd_m_per_px: float, longer_side_px: float) -> float:
         """Height above ground in metres at which an image has a ground sample distance; inverse of `gsd_m_per_px`."""
         return gsd_m_per_px * longer_side_px / (2.0 * max(self.half_tangents))
+
+
+#: Fields that distort pictures, besides the kind of lens.
+_DISTORTION = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "principal_x", "principal_y")
 
 
 def _half_tangent(fov_deg: float) -> float:

@@ -515,6 +515,8 @@ class Cells(NamedTuple):
 class ImageRays(NamedTuple):
     """Rays of one camera's image in pixels: ``origin + x·per_x + y·per_y`` from the upper left corner, y down.
 
+    x and y are pixels of the camera's ideal image, which are its own unless it distorts; see `ideal_px`.
+
     ``rows`` are the first row and the one after the last of a part of the image, in which y counts from its first row;
     None for the whole image.
     """
@@ -532,8 +534,8 @@ class ImageRays(NamedTuple):
     ) -> ImageRays:
         """Rays of a scene of one pose, over a plane."""
         pose = scene.poses
-        corner, right, below = scene.camera.rays_enu(
-            ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)), *(float(angle[0]) for angle in pose.attitude)
+        corner, right, below = scene.camera.ideal_rays_enu(
+            np.array([(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)]), *(float(angle[0]) for angle in pose.attitude)
         )
         return cls(scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, plane, rows)
 
@@ -548,8 +550,37 @@ class ImageRays(NamedTuple):
         width, height = self.scene.one_size_px
         return width, height if self.rows is None else self.rows[1] - self.rows[0]
 
+    @property
+    def distorts(self) -> bool:
+        """Whether pixels of the image differ from those of the ideal image."""
+        return self.scene.camera.distorts
+
+    def ideal_px(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> tuple[Floats, Floats]:
+        """Pixels of the ideal image, right and down, that image points show; the same unless the camera distorts."""
+        x, y = (np.asarray(values, np.float64) for values in (x_px, y_px))
+        if not self.distorts:
+            return x, y
+        width, height = self.scene.one_size_px
+        at = np.broadcast_arrays(2.0 * x / width - 1.0, 1.0 - 2.0 * (y + self.top_px) / height)
+        ideal = self.scene.camera.ideal_xy(np.stack(at, axis=-1))
+        return (ideal[..., 0] + 1.0) * (width / 2.0), (1.0 - ideal[..., 1]) * (height / 2.0) - self.top_px
+
+    def ideal_steps(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> tuple[Floats, Floats, Floats, Floats]:
+        """Derivatives of `ideal_px` at image points: of x by x and y, and of y by x and y."""
+        x, y = self.ideal_px(x_px, y_px)
+        width, height = self.scene.one_size_px
+        ideal = np.broadcast_arrays(2.0 * x / width - 1.0, 1.0 - 2.0 * (y + self.top_px) / height)
+        slopes = self.scene.camera.seen_slopes(np.stack(ideal, axis=-1))
+        xx, yy, ratio = slopes[..., 0, 0], slopes[..., 1, 1], height / width
+        # Half images are up, pixels down.
+        xy, yx = -slopes[..., 0, 1] / ratio, -slopes[..., 1, 0] * ratio
+        area = xx * yy - xy * yx
+        return yy / area, -xy / area, -yx / area, xx / area
+
     def directions(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
+        if self.distorts:
+            x_px, y_px = self.ideal_px(x_px, y_px)
         rays = np.empty((*np.broadcast_shapes(np.shape(x_px), np.shape(y_px)), 3))
         # Component by component: broadcasting a last axis of 3 is several times as slow.
         for axis in range(3):
@@ -557,7 +588,7 @@ class ImageRays(NamedTuple):
         return rays
 
     def component(self, axis: int, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
-        """One component of rays of image points: 0 east, 1 north, 2 up."""
+        """One component of rays of points of the ideal image: 0 east, 1 north, 2 up."""
         x, y = (np.asarray(values, np.float64) for values in (x_px, y_px))
         origin = self.origin[axis] + self.top_px * self.per_y[axis]
         found: Floats = origin + x * self.per_x[axis] + y * self.per_y[axis]

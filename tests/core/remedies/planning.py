@@ -429,6 +429,27 @@ def _too_wide(case: Case) -> None:
     case.follow("aspect ratio", lambda: Camera.from_vertical_fov(179.9, 2.0))
 
 
+@remedy(
+    "geodesy/distortion.py",
+    "lens distortion: folds the image at {} focal lengths from the principal point, and its farthest corner is at {}; "
+    "choose a smaller field of view, or coefficients that hold in the whole image",
+)
+def _folds(case: Case) -> None:
+    case.refused(lambda: Camera(80.0, k1=-0.5))
+    case.follow("choose a smaller field of view", lambda: Camera(40.0, k1=-0.5))
+    case.follow("coefficients that hold in the whole image", lambda: Camera(80.0, k1=-0.5, k2=0.3))
+
+
+@remedy(
+    "geodesy/distortion.py",
+    "fisheye: its image reaches {} focal lengths from the principal point, where a ray is more than {} deg off the "
+    "axis ({} focal lengths); choose a smaller field of view",
+)
+def _beside(case: Case) -> None:
+    case.refused(lambda: Camera(179.9, lens="fisheye", k1=-0.01))
+    case.follow("choose a smaller field of view", lambda: Camera(170.0, lens="fisheye", k1=-0.01))
+
+
 planned(
     "plan.py",
     "imagery {}: a mission of several imageries needs a plan for each of them; choose one of them as the source",
