@@ -14212,8 +14212,23 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>name one{0}</source>
+        <translation>nombre uno{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>name vector layers{0}</source>
         <translation>indique capas vectoriales{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>product {0}: has the pixels of the sensor, of which resized images have none</source>
+        <translation>producto {0}: tiene los píxeles del sensor, que no quedan en imágenes redimensionadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>product {0}: needs an image sensor</source>
+        <translation>producto {0}: necesita un sensor de imagen</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -14750,6 +14765,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
+        <location filename="../../core/mission/parts/sensor.py"/>
         <source>Bilinear</source>
         <translation>Bilineal</translation>
     </message>
@@ -14825,6 +14841,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
+        <source>Raw values of the image sensor</source>
+        <translation>Valores brutos del sensor de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/pictures.py"/>
         <source>Roadmap</source>
         <translation>Callejero</translation>
     </message>
@@ -14895,8 +14916,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
-        <source>files with a value for every pixel, written beside the images: depth along the optical axis, ground points, normals, the mask of faces that no map shows, and the class and instance of labels and buildings; of all map types together</source>
-        <translation>archivos con un valor para cada píxel, escritos junto a las imágenes: profundidad a lo largo del eje óptico, puntos del terreno, normales, la máscara de las caras que ningún mapa muestra, y la clase y la instancia de etiquetas y edificios; de todos los tipos de mapa juntos</translation>
+        <source>files with a value for every pixel, written beside the images: depth along the optical axis, ground points, normals, the mask of faces that no map shows, and the class and instance of labels and buildings; of all map types together; raw holds the values of an image sensor before demosaicing and development</source>
+        <translation>archivos con un valor para cada píxel, escritos junto a las imágenes: profundidad a lo largo del eje óptico, puntos del terreno, normales, la máscara de caras que ningún mapa muestra, y la clase e instancia de etiquetas y edificios; comunes a todos los tipos de mapa; raw contiene los valores de un sensor de imagen antes de la interpolación cromática y del revelado</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
@@ -15122,6 +15143,191 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/pictures.py"/>
         <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
         <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dé uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>Bayer pattern of the sensor, from its upper left pixel, row by row; without one, each pixel measures every colour</source>
+        <translation>patrón de Bayer del sensor, desde su píxel superior izquierdo, fila por fila; sin él, cada píxel mide todos los colores</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>Blue green, green red</source>
+        <translation>Azul verde, verde rojo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>Gradient-corrected</source>
+        <translation>Corregida por gradientes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>Green blue, red green</source>
+        <translation>Verde azul, rojo verde</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>Green red, blue green</source>
+        <translation>Verde rojo, azul verde</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>None</source>
+        <translation>Ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>Red green, green blue</source>
+        <translation>Rojo verde, verde azul</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>bits of a raw value; the named sensor's, unless given, whose gain and black level follow</source>
+        <translation>bits de un valor bruto; los del sensor nombrado, si no se indican, cuya ganancia y nivel de negro se ajustan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>bits of the converter</source>
+        <translation>bits del convertidor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>black level</source>
+        <translation>nivel de negro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>black level {0:g} DN: must be below {1}, the largest number of {2} bits</source>
+        <translation>nivel de negro {0:g} DN: debe ser menor que {1}, el mayor número de {2} bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>colour filters</source>
+        <translation>filtros de color</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>dark current</source>
+        <translation>corriente de oscuridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>dark signal non-uniformity</source>
+        <translation>falta de uniformidad de la señal de oscuridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>demosaicing</source>
+        <translation>interpolación cromática</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>digital number of a pixel without electrons; the named sensor's, unless given</source>
+        <translation>número digital de un píxel sin electrones; el del sensor nombrado, si no se indica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>digital numbers per electron (K); the named sensor's, unless given, and where its data sheet has none the one with which the full well reaches the largest number</source>
+        <translation>números digitales por electrón (K); la del sensor nombrado, si no se indica, y si su hoja de datos no la tiene, aquella con la que el pozo lleno alcanza el mayor número</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>distance between the centres of the sensor's pixels; the named sensor's, unless given</source>
+        <translation>distancia entre los centros de los píxeles del sensor; la del sensor nombrado, si no se indica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>electrons per photon; the named sensor's, unless given</source>
+        <translation>electrones por fotón; la del sensor nombrado, si no se indica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>electrons per pixel and second without light; the named sensor's, unless given</source>
+        <translation>electrones por píxel y segundo sin luz; la del sensor nombrado, si no se indica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>electrons that a pixel holds, its saturation capacity; the named sensor's, unless given</source>
+        <translation>electrones que caben en un píxel, su capacidad de saturación; la del sensor nombrado, si no se indica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>full well</source>
+        <translation>pozo lleno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>how the colours that a pixel does not measure are found: bilinear from the nearest, malvar corrected by gradients (Malvar, He and Cutler 2004)</source>
+        <translation>cómo se hallan los colores que un píxel no mide: bilinear de los más cercanos, malvar corregida por gradientes (Malvar, He y Cutler 2004)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>image sensor</source>
+        <translation>sensor de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>image sensor {0!r}: must be a name without spaces around it</source>
+        <translation>sensor de imagen {0!r}: debe ser un nombre sin espacios alrededor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>image sensor {0}: needs its {1}</source>
+        <translation>sensor de imagen {0}: necesita el dato «{1}»</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>name one, or {0}{1}</source>
+        <translation>nombre uno, o {0}{1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>photo response non-uniformity</source>
+        <translation>falta de uniformidad de la respuesta a la luz</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>pixel pitch</source>
+        <translation>paso de píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>quantum efficiency</source>
+        <translation>eficiencia cuántica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>read noise</source>
+        <translation>ruido de lectura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>sensor whose noise, saturation and quantisation images have, after EMVA 1288: a name as docs/realism.md lists them, or custom for figures of your own; left out, the sensor is ideal</source>
+        <translation>sensor cuyo ruido, saturación y cuantización tienen las imágenes, según EMVA 1288: un nombre de los que enumera docs/realism.md, o custom para cifras propias; si se omite, el sensor es ideal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>standard deviation of the pixels' fixed offsets (DSNU); the named sensor's, unless given</source>
+        <translation>desviación típica de los desplazamientos fijos de los píxeles (DSNU); la del sensor nombrado, si no se indica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>standard deviation of the pixels' fixed sensitivities (PRNU); the named sensor's, unless given</source>
+        <translation>desviación típica de las sensibilidades fijas de los píxeles (PRNU); la del sensor nombrado, si no se indica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>standard deviation of the temporal noise in the dark; the named sensor's, unless given</source>
+        <translation>desviación típica del ruido temporal en la oscuridad; la del sensor nombrado, si no se indica</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>system gain</source>
+        <translation>ganancia del sistema</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sensor.py"/>
+        <source>{0} {1}: needs an image sensor</source>
+        <translation>{0} {1}: necesita un sensor de imagen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/shutter.py"/>
@@ -15594,6 +15800,21 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>tome otra fuente que lo rellene ({0})</translation>
     </message>
     <message>
+        <location filename="../../core/mission/sensors.py"/>
+        <source>did you mean {0}?</source>
+        <translation>¿quería decir {0}?</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/sensors.py"/>
+        <source>image sensor {0!r} is unknown: {1}</source>
+        <translation>sensor de imagen {0!r} desconocido: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/sensors.py"/>
+        <source>known are {0} and {1}</source>
+        <translation>se conocen {0} y {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/settings.py"/>
         <source>area {0!r} and coords {1!r}: give one of the two</source>
         <translation>área {0!r} y coords {1!r}: dé uno de los dos</translation>
@@ -15714,6 +15935,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/picture/cost.py"/>
         <source>timed here, over relief with {0}</source>
         <translation>medido aquí, sobre el relieve con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/effects.py"/>
+        <source>colour filters {0}: need red, green and blue, and the source gives {1}</source>
+        <translation>filtros de color {0}: necesitan rojo, verde y azul, y la fuente da {1}</translation>
     </message>
     <message>
         <location filename="../../core/picture/effects.py"/>
@@ -16894,6 +17120,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/units.py"/>
+        <source>DN</source>
+        <translation>DN</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>DN/e-</source>
+        <translation>DN/e-</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
         <source>deg</source>
         <translation>grados</translation>
     </message>
@@ -16904,6 +17140,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/units.py"/>
+        <source>digital numbers</source>
+        <translation>números digitales</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>digital numbers per electron</source>
+        <translation>números digitales por electrón</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>electrons</source>
+        <translation>electrones</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>electrons per second</source>
+        <translation>electrones por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
         <source>metres</source>
         <translation>metros</translation>
     </message>
@@ -16911,6 +17167,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/units.py"/>
         <source>metres per second</source>
         <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>micrometres</source>
+        <translation>micrómetros</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
