@@ -61,6 +61,11 @@ class Detector:
         return int(2**self.bits - 1)
 
     @property
+    def saturation_dn(self) -> float:
+        """Value from which a pixel counts as saturated: the converter's largest, or that of a full well."""
+        return min(self.most_dn, round(self.black_level_dn + self.gain_dn_per_e * self.full_well_e))
+
+    @property
     def photons_per_lx_s(self) -> float:
         """Photons on a pixel per lux second, as if all light were of 555 nm."""
         return PHOTONS_PER_LM_S * (self.pixel_um * 1e-6) ** 2

@@ -48,6 +48,8 @@ class SensorReadout:
             exposure = mosaic(exposure, self.bayer)
         scene = light.scene
         raw = read_out(self.detector, exposure, self.white_s, scene.mission.imagery.seed, scene.name)
+        light.facts["gain_dn_per_e"] = self.detector.gain_dn_per_e
+        light.facts["saturated_share"] = float(np.mean(raw >= self.detector.saturation_dn))
         found = self.detector.exposure_lx_s(raw)
         if self.bayer != NO_BAYER:
             found = demosaiced(found, self.bayer, self.demosaicing)

@@ -1,0 +1,97 @@
+"""Images through a sensor: what a capture writes of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from osgeo import gdal
+from PIL import Image
+from terrainav.core.bands import Bands
+from terrainav.core.camera.bayer import mosaic
+from terrainav.core.camera.light import linear_of_bytes
+from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.table import Table
+from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.imagery.opening import named_source
+from terrainav.core.mission.areas.area import Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.picture.effects import check_bands
+
+ALVIUM = "Allied Vision Alvium 1800 C-507m"
+FRAMOS = "FRAMOS IMX900 low gain"
+POSES = ((48.1, 11.5, 150.0), (48.1, 11.5001, 150.0))
+
+
+@pytest.fixture
+def source():
+    return named_source("world").open()
+
+
+def mission_of(poses=POSES, **values):
+    return Mission(Points(poses), 150.0, Camera(60.0, 4.0 / 3.0), **{"image_px": 128, "frame": "camera", **values})
+
+
+def captured(source, folder, mission):
+    capture(plan(mission, source.grid), source, folder)
+    return [np.asarray(Image.open(path)) for path in sorted(folder.glob("satellite/*.tif"))]
+
+
+def raws(folder):
+    """Raw values (h, w) or (bands, h, w)."""
+    return [gdal.Open(str(path)).ReadAsArray() for path in sorted(folder.glob("raw/*.tif"))]
+
+
+def test_a_sensor_without_noise_leaves_images_as_they_are(source, tmp_path):
+    ideal = captured(source, tmp_path / "ideal", mission_of())
+    figures = {"image_sensor": "custom", "pixel_um": 5.0, "quantum_efficiency": 1.0, "full_well_e": 1e7}
+    fine = captured(source, tmp_path / "fine", mission_of(**figures))
+    for before, after in zip(ideal, fine):
+        # Only twelve bits, of which the darkest values of sRGB have less than one each.
+        difference = np.abs(before[..., :3].astype(int) - after[..., :3])
+        assert difference[before[..., :3] > 30].max() <= 1
+        assert difference.max() <= 4
+        assert (before[..., 3:] == after[..., 3:]).all()
+
+
+def test_raw_values_are_kept_as_16_bits(source, tmp_path):
+    ideal = captured(source, tmp_path / "ideal", mission_of())
+    captured(source, tmp_path / "raw", mission_of(image_sensor=FRAMOS, products=("raw",), bayer="grbg"))
+    for before, raw in zip(ideal, raws(tmp_path / "raw")):
+        assert raw.dtype == np.uint16
+        assert raw.shape == before.shape[:2]
+        light = mosaic(linear_of_bytes(before[..., :3]), "grbg")
+        wanted = 240.0 + 0.399 * 9458.0 * light
+        # Shot noise, read noise, DSNU and PRNU.
+        electrons = 9458.0 * light
+        sigma = 0.399 * np.sqrt(electrons + 5.56**2 + 3.7**2 + (0.007 * electrons) ** 2 + 1.0 / 12.0 / 0.399**2)
+        away = (raw - wanted) / sigma
+        assert abs(away.mean()) < 5.0 / np.sqrt(away.size)
+        assert away.std() == pytest.approx(1.0, abs=5.0 / np.sqrt(2.0 * away.size))
+
+
+def test_noise_is_of_the_seed_and_the_image_alone(source, tmp_path):
+    noisy = {"image_sensor": FRAMOS, "products": ("raw",)}
+    captured(source, tmp_path / "both", mission_of(**noisy))
+    captured(source, tmp_path / "one", mission_of(POSES[:1], **noisy))
+    captured(source, tmp_path / "seed", mission_of(POSES[:1], seed=7, **noisy))
+    both, one, other = (raws(tmp_path / name) for name in ("both", "one", "seed"))
+    assert (both[0] == one[0]).all()
+    assert (one[0] != other[0]).mean() > 0.9
+    assert (both[0] != both[1]).mean() > 0.9
+
+
+def test_the_table_states_what_the_sensor_did(source, tmp_path):
+    captured(source, tmp_path, mission_of(image_sensor=ALVIUM))
+    other = Table.load(tmp_path / "satellite" / "meta_data.csv").other
+    assert [float(one) for one in other["gain_dn_per_e"]] == pytest.approx([4095.0 / 10_400.0] * 2, rel=1e-5)
+    assert all(0.0 <= float(one) < 0.2 for one in other["saturated_share"])
+
+
+def test_bayer_patterns_need_colours():
+    mission = mission_of(image_sensor=ALVIUM, bayer="rggb")
+    check_bands(mission, Bands(("red", "green", "blue")))
+    with pytest.raises(InvalidInput, match="colour filters rggb: need red, green and blue, and the source gives grey"):
+        check_bands(mission, Bands(("grey",), "uint8", (0,)))
+    check_bands(mission_of(image_sensor=ALVIUM), Bands(("grey",), "uint8", (0,)))
