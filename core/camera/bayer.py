@@ -40,8 +40,10 @@ def demosaiced(measured: Singles, pattern: str, method: str) -> Singles:
     height, width = measured.shape
     planes = np.empty((height, width, 3), np.float32)
     around = np.pad(measured, _MARGIN, mode="reflect")
+    # Pixels of one colour side by side, which processors add several at a time.
+    parts = [[np.ascontiguousarray(around[row::2, column::2]) for column in (0, 1)] for row in (0, 1)]
     for band, row, column in _sites(pattern):
-        here = _Neighbours(around, row, column, height, width)
+        here = _Neighbours(parts, row, column, height, width)
         at = slice(row, None, 2), slice(column, None, 2)
         planes[(*at, band)] = here.own
         if band == 1:
@@ -63,15 +65,16 @@ def _sites(pattern: str) -> Iterator[tuple[int, int, int]]:
 class _Neighbours:
     """Every second pixel of every second row, and what stands around it."""
 
-    def __init__(self, around: Singles, row: int, column: int, height: int, width: int) -> None:
-        self._around = around
+    def __init__(self, parts: list[list[Singles]], row: int, column: int, height: int, width: int) -> None:
+        self._parts = parts
         self._row, self._column = row + _MARGIN, column + _MARGIN
-        self._rows, self._columns = height + _MARGIN, width + _MARGIN
+        self._rows, self._columns = (height - row + 1) // 2, (width - column + 1) // 2
         self.own = self._at(0, 0)
 
     def _at(self, down: int, right: int) -> Singles:
-        rows = slice(self._row + down, self._rows + down, 2)
-        return self._around[rows, self._column + right : self._columns + right : 2]
+        row, column = self._row + down, self._column + right
+        part = self._parts[row % 2][column % 2]
+        return part[row // 2 : row // 2 + self._rows, column // 2 : column // 2 + self._columns]
 
     def _sum(self, *steps: tuple[int, int]) -> Singles:
         first, *others = (self._at(*step) for step in steps)

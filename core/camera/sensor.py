@@ -18,6 +18,7 @@ PHOTONS_PER_LM_S = 555e-9 / (683.0 * 6.62607015e-34 * 299_792_458.0)
 LEAST_NORMAL_E = 24.0
 #: Values computed at a time: their arrays stay in the processor's cache, and large images take little memory.
 _BLOCK = 1 << 16
+_FEW = 1 << 13
 
 
 @dataclass(frozen=True)
@@ -129,8 +130,9 @@ def poisson_counts(mean: Singles, draws: NDArray[np.uint16]) -> Singles:
     spread = np.sqrt(np.maximum(mean - np.float32(5.0 / 36.0), np.float32(0.0)))
     counts: Singles = np.rint(mean + spread * z + (z * z - np.float32(1.0)) * np.float32(1.0 / 6.0))
     few = np.flatnonzero(mean < LEAST_NORMAL_E)
-    if few.size:
-        counts[few] = _inverted(mean[few].astype(np.float64), draws[few])
+    for start in range(0, few.size, _FEW):
+        some = few[start : start + _FEW]
+        counts[some] = _inverted(mean[some].astype(np.float64), draws[some])
     return counts
 
 
@@ -138,17 +140,17 @@ def _inverted(mean: NDArray[np.float64], draws: NDArray[np.uint16]) -> Singles:
     """Smallest counts whose cumulative probability reaches the middle of each number's share."""
     share = (draws + 0.5) / 65536.0
     term = np.exp(-mean)
-    total = term.copy()
+    total, ratio = term.copy(), np.empty_like(mean)
     counts = np.zeros(mean.shape, np.float32)
+    below = np.empty(mean.shape, np.bool_)
     number = 0
-    while True:
-        below = share > total
-        if not below.any():
-            return counts
+    while np.greater(share, total, out=below).any():
         counts += below
         number += 1
-        term *= mean / number
+        np.multiply(mean, 1.0 / number, out=ratio)
+        term *= ratio
         total += term
+    return counts
 
 
 def read_out(detector: Detector, exposure_lx_s: Singles, time_s: float, seed: int, image: str) -> NDArray[np.uint16]:

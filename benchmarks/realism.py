@@ -1,0 +1,98 @@
+"""What the effects of a real camera cost, beside numpy and OpenCV doing the same, and how they look.
+
+    python benchmarks/realism.py                          # milliseconds for an image of 640 x 480 px
+    python benchmarks/realism.py --pictures docs/images   # also the pictures of docs/realism.md
+    python benchmarks/realism.py --only sensor
+
+Each effect has a function that prints its cost, and one that writes its picture; both stand in `EFFECTS`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+WIDTH, HEIGHT = 640, 480
+
+
+def milliseconds(run: Callable[[], object], times: int = 15) -> float:
+    """Median time of a function, after a first run that counts for nothing."""
+    run()
+    taken = []
+    for _ in range(times):
+        start = time.perf_counter()
+        run()
+        taken.append(1000.0 * (time.perf_counter() - start))
+    return statistics.median(taken)
+
+
+def show(effect: str, ours_ms: float, others: str = "", others_ms: float = 0.0) -> None:
+    """Print a line of the table of costs."""
+    beside = f"{others} {others_ms:6.1f} ms, ratio {ours_ms / others_ms:.2f}" if others else ""
+    print(f"{effect:44} {ours_ms:6.1f} ms   {beside}")
+
+
+def sensor_costs() -> None:
+    """Reading out and demosaicing, of a daylight image of the sensor with every kind of noise."""
+    from terrainav.core.camera.bayer import BILINEAR, MALVAR, demosaiced, mosaic
+    from terrainav.core.camera.sensor import Detector, read_out
+
+    detector = Detector(3.45, 0.64, 10_400.0, 2.1, 5.0, 1.0, 0.007, 0.39, 0.0, 12)
+    bits = np.random.default_rng(1)
+    colours = (bits.uniform(0.02, 1.0, (HEIGHT, WIDTH, 3)) * detector.saturation_lx_s).astype(np.float32)
+    response = 1.0 + 0.007 * bits.standard_normal((HEIGHT, WIDTH, 3))
+    offset = bits.standard_normal((HEIGHT, WIDTH, 3))
+
+    def numpys(exposure: np.ndarray) -> np.ndarray:
+        shape = exposure.shape
+        some = (slice(None), slice(None), 0) if exposure.ndim == 2 else ()
+        mean = exposure * detector.electrons_per_lx_s * response[some] + 5.0 * 0.004
+        electrons = np.minimum(bits.poisson(mean), detector.full_well_e) + bits.normal(0.0, 2.1, shape) + offset[some]
+        return np.clip(np.rint(electrons * 0.39), 0, 4095).astype(np.uint16)
+
+    measured = mosaic(colours, "rggb")
+    for name, exposure in (("Bayer pattern", measured), ("three colours", colours)):
+        ours = milliseconds(lambda exposure=exposure: read_out(detector, exposure, 0.004, 1, "image"))
+        show(f"sensor, {name}", ours, "numpy", milliseconds(lambda exposure=exposure: numpys(exposure)))
+    dark = colours * np.float32(1e-3)
+    show("sensor, three colours in the dark", milliseconds(lambda: read_out(detector, dark, 0.004, 1, "image")))
+    whole = np.rint(measured * (4095.0 / measured.max())).astype(np.uint16)
+    theirs = milliseconds(lambda: cv2.cvtColor(whole, cv2.COLOR_BayerBG2RGB))
+    show("demosaicing, bilinear", milliseconds(lambda: demosaiced(measured, "rggb", BILINEAR)), "OpenCV", theirs)
+    theirs = milliseconds(lambda: cv2.cvtColor(whole, cv2.COLOR_BayerBG2RGB_EA))
+    ours = milliseconds(lambda: demosaiced(measured, "rggb", MALVAR))
+    show("demosaicing, malvar", ours, "OpenCV edge-aware", theirs)
+
+
+def sensor_picture(folder: Path) -> None:
+    """Crops of one image with shorter exposures at higher speeds, and with a Bayer pattern."""
+
+
+#: Costs and picture of each effect.
+EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
+    "sensor": (sensor_costs, sensor_picture),
+}
+
+
+def main() -> None:
+    """Print the costs, and write the pictures where they are asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--pictures", type=Path, help="folder for the pictures")
+    parser.add_argument("--only", choices=EFFECTS, help="one effect")
+    asked = parser.parse_args()
+    cv2.setNumThreads(1)
+    for name, (costs, picture) in EFFECTS.items():
+        if asked.only in (None, name):
+            costs()
+            if asked.pictures is not None:
+                picture(asked.pictures)
+
+
+if __name__ == "__main__":
+    main()
