@@ -145,7 +145,7 @@ class ImageParts:
 
     def find(self, index: int) -> list[Part]:
         """Return the parts of an image."""
-        if self.plan.relief.is_level:
+        if self.plan.relief.is_level and not self.plan.mission.takes_time:
             return picture_parts(self.plan, self.source, index)
         if index not in self._tiles:
             return self.find_traced(Shot(self.plan, index))
@@ -153,8 +153,11 @@ class ImageParts:
 
     def find_traced(self, shot: Shot) -> list[Part]:
         """Return the parts of an image over relief, whose rays are traced for it."""
-        tiles = shot.tiles
-        self._tiles[shot.index] = np.array(tiles, np.int32).reshape(-1, 3)
+        return self.keep(shot.index, shot.tiles)
+
+    def keep(self, index: int, tiles: list[tuple[int, int, int]]) -> list[Part]:
+        """Remember the tiles of an image over relief, and return its parts."""
+        self._tiles[index] = np.array(tiles, np.int32).reshape(-1, 3)
         return parts_of_tiles(self.plan.grid, tiles)
 
     def find_images(
@@ -292,8 +295,8 @@ class ImageMaker:
     def _trace(self, job: PictureJob) -> list[Part]:
         """Trace the rays of an image over relief, once, and find its parts."""
         shot = cast(Shot, job.shot)
-        shot.trace(with_sighting=job.products is not None or job.development is not None)
-        return self.parts.find_traced(shot)
+        tiles = shot.trace(with_sighting=job.products is not None or job.development is not None)
+        return self.parts.keep(shot.index, tiles)
 
     def _find_last_users(self, order: list[int], orders: Orders) -> Callable[[Window], int] | None:
         """Find the last image of an order that may need a part; None if the run was stopped."""

@@ -100,8 +100,11 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     raw: RawValues | None = None
     if isinstance(job.shot, Shot):
         description = replace(description, more=_camera_metadata(job.shot))
+        facts = () if job.shot.timing is None else job.shot.timing.facts
     if job.development is not None:
-        picture, facts, raw = job.development.develop(picture, job.shot, len(job.bands))
+        picture, developed, raw = job.development.develop(picture, job.shot, len(job.bands))
+        facts = tuple({**dict(facts), **dict(developed)}.items())
+    if facts:
         stated = tuple((name.upper(), stated_fact(value)) for name, value in facts)
         description = replace(description, more=(*description.more, *stated))
     picture = resized(picture, job.img_size, job.bands)
@@ -249,7 +252,7 @@ def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
         ("ASPECT_RATIO", repr(figure(camera.aspect_ratio))),
         ("GROUND_HEIGHT_M", repr(figure(float(plan.ground_m[shot.index])))),
         ("RESAMPLING", shot.kernel),
-        ("SKY_SHARE", repr(figure(shot.view.sky_share))),
+        ("SKY_SHARE", repr(figure(shot.sky_share))),
         ("ERROR_BOUND_PX", repr(figure(plan.accuracy.bound_px))),
         *((("HEIGHTS", plan.relief.attribution),) if not plan.relief.is_level else ()),
         *((("MISSING_HEIGHTS", "interpolated"),) if _interpolates(plan) else ()),

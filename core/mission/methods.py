@@ -311,6 +311,8 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
             relief.lowest_m,
             relief.highest_m,
         )
+    if mission.takes_time:
+        return Message("the camera moves on while an image is taken")
     if is_rotated(mission) and not _is_quarter_turned(mission, grid):
         return Message("the rows are turned from east, and the camera with them")
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:

@@ -168,6 +168,11 @@ class Mission:
         return self.wind is not None or bool(self.varied.of_poses)
 
     @property
+    def takes_time(self) -> bool:
+        """Whether the motion of the camera changes images, or may do so where values vary."""
+        return self.shutter.takes_time or any(one.field == "row_time_us" for one in self.varied.of_camera)
+
+    @property
     def products(self) -> tuple[str, ...]:
         """Products to write: those asked for; with labels, classes and instances if neither is."""
         asked = self.output.products

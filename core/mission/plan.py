@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from .areas.area import check_area, check_polygons
 from .flight.direct import DirectFlight, stated_times_s
 from .flight.legs import intervals_s, legs
 from .flight.path import FlightPath, flight_path
+from .flight.rates import Rates, flight_rates
 from .flight.wind import Wind
 from .layout.coverage import Coverage, ImageryShare, Overlap, Rectangles, coverage, imagery_share, overlap
 from .layout.frames import Frames
@@ -30,6 +33,9 @@ from .mission import Mission
 from .relief.ground import Flown, Heights, Relief, level_ground
 from .resolution import Resolution
 from .views import CameraViews
+
+if TYPE_CHECKING:
+    from .flight.motion import Disturbance
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +77,8 @@ class Plan:
         Number of captures that no-fly areas exclude.
     in_skipped_rows : int
         Number of captures in the rows that the mission skips.
+    gusting : Disturbance or None
+        Rates of the pose errors that wind causes, if images depend on them.
 
     Everything else is computed on first access, and cached.
     """
@@ -93,6 +101,7 @@ class Plan:
     parts: tuple[int, ...] = ()
     left_out: int = 0
     in_skipped_rows: int = 0
+    gusting: Disturbance | None = None
 
     def __len__(self) -> int:
         return len(self.column)
@@ -117,8 +126,11 @@ class Plan:
             parts=(),
             left_out=0,
             in_skipped_rows=0,
+            gusting=None,
         )
         part.__dict__["masked"] = self.masked
+        if self.mission.takes_time:
+            part.__dict__["rates"] = self.rates.take(which)
         part.__dict__["frame_centres"] = tuple(angle[which] for angle in self.frame_centres)
         return part
 
@@ -221,8 +233,23 @@ class Plan:
             self.height_m,
             self.level_m,
             self.relief,
-            self.accuracy.mesh_tolerance_px,
+            self.accuracy.mesh_tolerance_px / (2.0 if self._has_strips else 1.0),
         )
+
+    @property
+    def _has_strips(self) -> bool:
+        """Whether pictures may be made of strips of rows, with poses of their own."""
+        return self.mission.takes_time and (self.mission.shutter.row_time_us > 0.0 or bool(self.mission.varied.vary))
+
+    @property
+    def strip_px(self) -> float:
+        """Most motion of an image within a strip of its rows, which is off by half of it.
+
+        Within the error budget: strips take what other methods leave of it, and half of what positions of pixels may be
+        off, up to a twentieth of a pixel.
+        """
+        spare_px = max(self.accuracy.budget_px - self.accuracy.bound_px, 0.0) + self.accuracy.mesh_tolerance_px / 2.0
+        return 2.0 * min(spare_px, 0.05)
 
     @cached_property
     def direct(self) -> DirectFlight:
@@ -322,6 +349,11 @@ class Plan:
         return flight_path(self)
 
     @cached_property
+    def rates(self) -> Rates:
+        """Velocities and turn rates of the cameras at the captures, (n,)."""
+        return flight_rates(self)
+
+    @cached_property
     def times_s(self) -> Floats:
         """Seconds of each exposure after the first one, (n,): stated by points, or along the planned path.
 
@@ -369,6 +401,11 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     levelled, relief = _relief_below(mission, heights)
     flown, chosen = choose_methods(levelled, grid, partial(_disturbed, levelled), relief)
     layout = flown.layout
+    gusting = None
+    if mission.takes_time and mission.wind is not None:
+        from .flight.motion import fly_rates
+
+        gusting = _in_wind(fly_rates, levelled, mission.wind, layout, nominal_poses(levelled, layout))
     poses, over_relief = flown.poses, flown.flown
     nominal = None
     if mission.moves_poses:
@@ -400,6 +437,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         parts=flown.parts,
         left_out=flown.left_out,
         in_skipped_rows=flown.in_skipped_rows,
+        gusting=gusting,
     )
 
 
@@ -415,7 +453,7 @@ def _relief_below(mission: Mission, heights: Heights | None) -> tuple[Mission, R
 
 def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     """Poses as flown, moved and turned by the wind and at random."""
-    poses = nominal if mission.wind is None else _in_wind(mission, mission.wind, layout, nominal)
+    poses = nominal if mission.wind is None else _blown(mission, mission.wind, layout, nominal)
     if not mission.varied.of_poses:
         return poses
     from .flight.varied import vary_poses
@@ -423,14 +461,21 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     return vary_poses(mission, layout.column, layout.row, poses, ground_ellipsoid(mission))
 
 
-def _in_wind(mission: Mission, wind: Wind, layout: Layout, nominal: Poses) -> Poses:
-    """Poses moved and turned by the wind."""
-    from .flight.motion import fly
-
+def _in_wind(
+    of_flight: Callable[..., Disturbance], mission: Mission, wind: Wind, layout: Layout, nominal: Poses
+) -> Disturbance:
+    """What `motion.fly`, or `motion.fly_rates`, returns for a flight."""
     flown_legs, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
     stated = stated_times_s(mission, layout.column)
     interval_s = np.diff(stated) if stated is not None else intervals_s(flown_legs, layout.agl_m, airspeed, wind)
-    motion = fly(wind, airspeed, interval_s, flown_legs.headings_deg(), layout.agl_m, nominal.yaw_deg)
+    return of_flight(wind, airspeed, interval_s, flown_legs.headings_deg(), layout.agl_m, nominal.yaw_deg)
+
+
+def _blown(mission: Mission, wind: Wind, layout: Layout, nominal: Poses) -> Poses:
+    """Poses moved and turned by the wind."""
+    from .flight.motion import fly
+
+    motion = _in_wind(fly, mission, wind, layout, nominal)
     lat, ground = nominal.lat_deg, ground_ellipsoid(mission)
     north = np.degrees(motion.north_m / ground.meridional_radius_m(lat))
     east = np.degrees(motion.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))

@@ -74,7 +74,7 @@ class Development:
 
 def check_bands(mission: Mission, bands: Bands) -> None:
     """Raise InvalidInput if a mission asks for effects on bands that are not colours of 8 bits."""
-    if effects(mission) and not bands.are_colours:
+    if (effects(mission) or mission.shutter.motion_blur) and not bands.are_colours:
         raise InvalidInput(
             "effects of a real camera: need grey, or red, green and blue of 8 bits, and the source gives {0}",
             bands,

@@ -22,7 +22,8 @@ from ..labels.pieces import DegreePlane
 from ..mission.parts import CLASSES, INSTANCES
 from ..mission.plan import Plan
 from .map_frame import turned
-from .shot import MapShot, Shot
+from .shot import MapShot, Shot, join_sightings
+from .takes import middle_strips
 
 #: Bands of each product, in metres, degrees, and components of unit vectors.
 BANDS = {
@@ -33,7 +34,7 @@ BANDS = {
 }
 _DEGREES = DegreePlane()
 #: Pixels whose ground is computed together.
-_STRIP_PX = 1 << 14
+_CACHED_PX = 1 << 14
 #: Nodes of the polynomials that hold level ground along each side of an image.
 _NODES = 12
 
@@ -109,7 +110,7 @@ def _labels(
         lon = float(plan.lon_deg[index]) + dlon
     else:
         lat, lon = seen.lat_deg, seen.lon_deg
-    hidden = shot.view.hidden if isinstance(shot, Shot) else None
+    hidden = shot.hidden if isinstance(shot, Shot) else None
     if hidden is not None:
         rows, columns = ((np.arange(to) * 2 + 1) * of // (2 * to) for to, of in zip(lat.shape, hidden.shape))
         lat = np.where(hidden[np.ix_(rows, columns)], np.nan, lat)
@@ -145,7 +146,11 @@ def _sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | 
     if traced is not None:
         return traced
     if not plan.relief.is_level:
-        return plan.views.tracing(index, size_px).sighting
+        strips = middle_strips(plan, index, size_px)
+        if len(strips) == 1:
+            return plan.views.tracing(index, size_px).sighting
+        tracings = (plan.views.tracing(index, size_px, rows=strip[:2], pose=strip.pose) for strip in strips)
+        return join_sightings([one.sighting for one in tracings])
     return _level_sighting(plan, index, size_px)
 
 
@@ -183,15 +188,16 @@ def _map_positions(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Fl
 
 def _level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Floats, Floats]:
     """Latitudes (h, w) of level ground seen by the pixels of a camera frame, and longitudes from the camera's."""
-    (width, height), pose = size_px, plan.poses.take(np.array([index]))
-    rays = ImageRays.from_scene(ImageGeometry(plan.mission.camera, width, height, pose, plan.ground))
+    (width, height), camera = size_px, plan.mission.camera
     lat, dlon = np.empty((2, height, width))
-    # By strips that fit in the processor's cache.
-    rows = max(_STRIP_PX // width, 1)
-    for top in range(0, height, rows):
-        strip = slice(top, min(top + rows, height))
-        seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(strip.start, strip.stop) + 0.5))
-        lat[strip], dlon[strip] = seen.lat_deg, seen.dlon_deg
+    # By rows that fit in the processor's cache.
+    rows = max(_CACHED_PX // width, 1)
+    for first, end, pose in middle_strips(plan, index, size_px):
+        rays = ImageRays.from_scene(ImageGeometry(camera, width, height, pose, plan.ground))
+        for top in range(first, end, rows):
+            part = slice(top, min(top + rows, end))
+            seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(part.start, part.stop) + 0.5))
+            lat[part], dlon[part] = seen.lat_deg, seen.dlon_deg + (pose.lon_deg[0] - plan.lon_deg[index])
     return lat, dlon
 
 
@@ -202,6 +208,8 @@ def _near_level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tupl
     little, so polynomials hold them, unless the image reaches towards the horizon.
     """
     (width, height), pose = size_px, plan.poses.take(np.array([index]))
+    if len(middle_strips(plan, index, size_px)) > 1:
+        return _level_ground(plan, index, size_px)
     rays = ImageRays.from_scene(ImageGeometry(plan.mission.camera, width, height, pose, plan.ground))
     across, down = (Interpolation.along(length, _NODES) for length in size_px)
     seen = rays.ground(*np.meshgrid(across.nodes, down.nodes))
@@ -239,11 +247,16 @@ def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sightin
         places = plan.grid.plane.inverse(*_map_positions(plan, index, size_px))
         ground_lat, ground_lon = (turned(at, turns) for at in places)
         dlon, axis = wrap_lon_deg(ground_lon - lon), np.array([0.0, 0.0, -1.0])
+        depth = sight_lines(np.array(lat), np.array(agl), ground_lat, dlon, plan.ground) @ axis
     else:
         ground_lat, dlon = _level_ground(plan, index, size_px)
-        axis = plan.mission.camera.rays_enu(((0.0, 0.0),), *(angle[0] for angle in pose.attitude))[0]
-    with np.errstate(invalid="ignore"):
-        depth = sight_lines(np.array(lat), np.array(agl), ground_lat, dlon, plan.ground) @ axis
+        depth = np.empty_like(dlon)
+        for top, bottom, at in middle_strips(plan, index, size_px):
+            rows, east = slice(top, bottom), at.lon_deg[0] - plan.lon_deg[index]
+            axis = plan.mission.camera.rays_enu(((0.0, 0.0),), *(angle[0] for angle in at.attitude))[0]
+            with np.errstate(invalid="ignore"):
+                lines = sight_lines(at.lat_deg[0], at.agl_m[0], ground_lat[rows], dlon[rows] - east, plan.ground)
+            depth[rows] = lines @ axis
     height_m = np.where(np.isnan(depth), np.nan, plan.level_m)
     flat = np.where(np.isnan(depth), np.nan, 0.0)
     blank = Sighting.blank(depth.shape)

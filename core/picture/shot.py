@@ -2,44 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..arrays import PixelValues
+from ..arrays import NDArray, PixelValues
 from ..bands import RGB, Bands, full
+from ..camera.light import bytes_of_linear, linear_of_bytes
+from ..geodesy.camera import Poses
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
 from .camera_frame import parts_of_tiles, render
 from .map_frame import assemble, capture_window, turned
 from .painting import paint, sun_enu
+from .takes import Timing
 
 if TYPE_CHECKING:
     from ..geodesy.raytracing.seen_faces import Painted
     from ..geodesy.raytracing.tracing import Sighting, Tracing
 
+#: Pixels of all instants of a picture of relief, up to which what was traced for them is kept: each takes 50 bytes.
+_KEPT_PX = 2 << 20
+
 
 @dataclass(frozen=True, eq=False)
-class Shot:
-    """A camera frame to be drawn. Over relief, its rays are traced on demand, or by `trace`."""
+class Take:
+    """Rows of a picture at one instant, seen from one pose. Over relief, rays are traced on demand, or by `trace`.
+
+    Attributes
+    ----------
+    rows : tuple of int, or None
+        First row and the one after the last; None for all.
+    pose : Poses or None
+        The pose; None for that of the capture.
+    """
 
     plan: Plan
     index: int
+    rows: tuple[int, int] | None = None
+    pose: Poses | None = None
 
     @cached_property
     def _tracing(self) -> Tracing | None:
         """Rays traced over relief; None over level ground."""
-        return None if self.plan.relief.is_level else self.plan.views.tracing(self.index)
+        if self.plan.relief.is_level:
+            return None
+        return self.plan.views.tracing(self.index, rows=self.rows, pose=self.pose)
 
     @cached_property
     def view(self) -> View:
-        """View from which the picture is drawn."""
+        """View from which the rows are drawn."""
         views, tracing = self.plan.views, self._tracing
-        return views.view(self.index) if tracing is None else views.traced_view(tracing)
+        if tracing is None:
+            return views.view(self.index, rows=self.rows, pose=self.pose)
+        return views.traced_view(tracing)
 
     @cached_property
     def painted(self) -> Painted | None:
@@ -58,20 +78,149 @@ class Shot:
             _ = self.sighting
         self.__dict__.pop("_tracing", None)
 
-    @property
-    def tiles(self) -> list[tuple[int, int, int]]:
-        """Zoom, column (not wrapped) and row of each tile that the picture shows."""
-        return self.view.tiles(self.lon_deg)
+    def forget(self) -> None:
+        """Forget what was traced; it is traced again on demand."""
+        for name in ("_tracing", "view", "painted"):
+            self.__dict__.pop(name, None)
 
     @property
     def lon_deg(self) -> float:
         """Longitude of the camera."""
-        return float(self.plan.lon_deg[self.index])
+        return float(self.plan.lon_deg[self.index] if self.pose is None else self.pose.lon_deg[0])
+
+    def draw(self, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands) -> PixelValues:
+        """Draw the rows, as `camera_frame.render` does."""
+        kernel = self.plan.mission.accuracy.resampling
+        picture = render(self.view, self.lon_deg, parts, pixels, kernel, bands)
+        if self.painted is not None:
+            paint(picture, self.painted, sun_enu(self.plan, self.index), bands)
+        return picture
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A camera frame to be drawn: takes of its rows, at one instant or several of the exposure."""
+
+    plan: Plan
+    index: int
+
+    @cached_property
+    def timing(self) -> Timing | None:
+        """When the rows are exposed; None if motion does not change the picture."""
+        return Timing.of(self.plan, self.index)
+
+    @cached_property
+    def instants(self) -> list[list[Take]]:
+        """Takes of each instant of the exposure, from the top of the picture to its bottom."""
+        if self.timing is None:
+            return [[Take(self.plan, self.index)]]
+        height = self.plan.views.size_px(self.index)[1]
+        return [
+            [Take(self.plan, self.index, (top, bottom), pose) for top, bottom, pose in self.timing.strips(height, at_s)]
+            for at_s in self.timing.instants_s()
+        ]
+
+    @property
+    def middle(self) -> list[Take]:
+        """Takes of the middle of the exposure, which labels and products show."""
+        return self.instants[len(self.instants) // 2]
+
+    @property
+    def hidden(self) -> NDArray[np.bool_] | None:
+        """Pixels without a picture, for any reason; None if all have one."""
+        hidden = [take.view.hidden for take in self.middle]
+        if all(one is None for one in hidden):
+            return None
+        shapes = ((take.view.height_px, take.view.width_px) for take in self.middle)
+        masks = [np.zeros(shape, bool) if one is None else one for one, shape in zip(hidden, shapes)]
+        return masks[0] if len(masks) == 1 else np.concatenate(masks)
+
+    @property
+    def sky_share(self) -> float:
+        """Share of the pixels that see no ground."""
+        return self._share(lambda view: view.sky_share)
+
+    @property
+    def unmapped_share(self) -> float:
+        """Share of the pixels whose ground lies beyond Web-Mercator sources."""
+        return self._share(lambda view: view.unmapped_share)
+
+    @property
+    def facade_share(self) -> float:
+        """Share of the pixels that see steep faces, whose colours no map shows."""
+        return self._share(lambda view: view.facade_share)
+
+    def _share(self, of_view: Callable[[View], float]) -> float:
+        if len(self.middle) == 1:
+            return of_view(self.middle[0].view)
+        heights = [take.view.height_px for take in self.middle]
+        return float(np.average([of_view(take.view) for take in self.middle], weights=heights))
+
+    @cached_property
+    def sighting(self) -> Sighting | None:
+        """Ground at the pixels, over relief; None over level ground."""
+        found = [one for one in (take.sighting for take in self.middle) if one is not None]
+        return join_sightings(found) if found else None
+
+    def trace(self, *, with_sighting: bool) -> list[tuple[int, int, int]]:
+        """Trace the rays, keep only what the picture needs of them, and return the tiles that it shows.
+
+        What many instants need is traced again when they are drawn, as it would take too much memory.
+        """
+        width, height = self.plan.views.size_px(self.index)
+        kept = width * height * len(self.instants) <= _KEPT_PX
+        tiles: set[tuple[int, int, int]] = set()
+        for takes in self.instants:
+            is_middle = takes is self.middle
+            for take in takes:
+                take.trace(with_sighting=with_sighting and is_middle)
+                tiles.update(take.view.tiles(take.lon_deg))
+                if not (kept or is_middle):
+                    take.forget()
+        return sorted(tiles)
+
+    @property
+    def tiles(self) -> list[tuple[int, int, int]]:
+        """Zoom, column (not wrapped) and row of each tile that the picture shows."""
+        takes = [take for takes in self.instants for take in takes]
+        return sorted(set().union(*(take.view.tiles(take.lon_deg) for take in takes)))
 
     @property
     def kernel(self) -> str:
         """Resampling kernel."""
         return self.plan.mission.accuracy.resampling
+
+    def draw(self, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands) -> PixelValues:
+        """Draw the picture: the mean, in linear light, of its instants."""
+        if len(self.instants) == 1:
+            return _stacked([take.draw(parts, pixels, bands) for take in self.middle])
+        height, width = (int(size) for size in self.plan.views.size_px(self.index)[::-1])
+        total, count = np.zeros((height, width, len(bands)), np.float32), np.zeros((height, width, 1), np.float32)
+        for takes in self.instants:
+            for take in takes:
+                rows = slice(*(take.rows or (0, height)))
+                total[rows] += linear_of_bytes(take.draw(parts, pixels, bands))
+                hidden = take.view.hidden
+                count[rows] += 1.0 if hidden is None else ~hidden[..., np.newaxis]
+                if takes is not self.middle and not self.plan.relief.is_level:
+                    take.forget()
+        picture = bytes_of_linear(total / np.maximum(count, 1.0))
+        if self.hidden is not None:
+            picture[self.hidden] = 0
+        return picture
+
+
+def join_sightings(strips: Sequence[Sighting]) -> Sighting:
+    """Join the ground at the pixels of strips of a picture."""
+    if len(strips) == 1:
+        return strips[0]
+    return strips[0]._replace(
+        **{name: np.concatenate([getattr(one, name) for one in strips]) for name in strips[0]._fields}
+    )
+
+
+def _stacked(strips: list[PixelValues]) -> PixelValues:
+    return strips[0] if len(strips) == 1 else np.concatenate(strips)
 
 
 class MapShot(NamedTuple):
@@ -132,11 +281,9 @@ def draw(
     """
     if isinstance(shot, MapShot):
         return Picture(turned(assemble(shot.window, parts, pixels, bands), shot.quarter_turns))
-    view = shot.view
-    picture = render(view, shot.lon_deg, parts, pixels, shot.kernel, bands)
-    if shot.painted is not None:
-        paint(picture, shot.painted, sun_enu(shot.plan, shot.index), bands)
+    picture = shot.draw(parts, pixels, bands)
     if masked:
-        shown = np.ones(picture.shape[:2], bool) if view.hidden is None else ~view.hidden
+        hidden = shot.hidden
+        shown = np.ones(picture.shape[:2], bool) if hidden is None else ~hidden
         picture = np.dstack([picture, shown * full(bands.dtype)])
-    return Picture(picture, view.sky_share, view.unmapped_share, view.facade_share)
+    return Picture(picture, shot.sky_share, shot.unmapped_share, shot.facade_share)

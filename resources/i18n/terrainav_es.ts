@@ -10325,6 +10325,31 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>inclinación o alabeo de {0:g} grados: vale para cámaras que miran en vertical</translation>
     </message>
     <message>
+        <location filename="../../core/geodesy/camera.py"/>
+        <source>{0} {1:g}: a fisheye has k1 to k4 only</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/distortion.py"/>
+        <source>choose a smaller field of view</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/distortion.py"/>
+        <source>choose a smaller field of view, or coefficients that hold in the whole image</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/distortion.py"/>
+        <source>fisheye: its image reaches {0:.3g} focal lengths from the principal point, where a ray is more than {1:.1f} deg off the axis ({2:.3g} focal lengths)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/distortion.py"/>
+        <source>lens distortion: folds the image at {0:.3g} focal lengths from the principal point, and its farthest corner is at {1:.3g}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/geodesy/ellipsoid.py"/>
         <source>ellipsoid semi-axes {0} m, {1} m: need a &gt;= b &gt; 0, both finite</source>
         <translation>semiejes del elipsoide de {0} m, {1} m: hace falta a &gt;= b &gt; 0, ambos finitos</translation>
@@ -10348,6 +10373,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/geodesy/frames.py"/>
         <source>height {0:g} m with a field of view of {1:g} deg: the image reaches past the Earth's horizon</source>
         <translation>altura de {0:g} m con un campo de visión de {1:g} grados: la imagen rebasa el horizonte de la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>a perspective lens, or a fisheye, whose image is about as far from its centre as a ray is off the axis</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -10383,6 +10413,51 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/geodesy/lens.py"/>
         <source>give the part of the sensor that the image shows</source>
         <translation>dé la parte del sensor que muestra la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>how far the optical axis meets the image below its centre, as a share of its height</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>how far the optical axis meets the image right of its centre, as a share of its width</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>lens</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>magnification of blue relative to green, minus 1</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>magnification of red relative to green, minus 1: 0.001 moves a corner at 400 px outward by 0.4 px</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>principal point, down</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>principal point, right</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>scale of blue</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>scale of red</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -14093,6 +14168,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/methods.py"/>
         <source>terrain</source>
         <translation>relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>the camera moves on while an image is taken</source>
+        <translation>la cámara sigue moviéndose mientras se toma una imagen</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>

@@ -8,6 +8,7 @@
 - `deviates`: random numbers that are the same on every machine
 - `direct`: the flight from capture to capture, without turns
 - `path`: the path of an aircraft: take-off, transits, lead-ins, captures and turns, in sorties
+- `rates`: velocities and turn rates of cameras at captures
 - `alignment`: rows along the longest side of an area, or for the shortest flight
 - `pilot`: sorties, image interval and sun
 - `joined`: several missions flown as one

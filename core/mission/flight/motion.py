@@ -84,13 +84,43 @@ def fly(
     InvalidInput
         Shapes do not match, values lie outside the domain, or `Wind.checked` raises it.
     """
+    return _flown(output_matrix(), wind, airspeed_m_per_s, interval_s, heading_deg, agl_m, yaw_deg)
+
+
+def fly_rates(
+    wind: Wind,
+    airspeed_m_per_s: float,
+    interval_s: Floats,
+    heading_deg: Floats,
+    agl_m: Floats,
+    yaw_deg: Floats | float = 0.0,
+) -> Disturbance:
+    """Rates per second, at each exposure, of the pose errors that `fly` returns for the same arguments.
+
+    No noise drives positions and angles directly, so they have rates at every time, which follow from the states. The
+    rates do not depend on the height.
+    """
+    drift_per_s = flight_system(wind.sigma_m_per_s, airspeed_m_per_s, HIGH_FT * M_PER_FT).drift_per_s
+    return _flown(output_matrix() @ drift_per_s, wind, airspeed_m_per_s, interval_s, heading_deg, agl_m, yaw_deg)
+
+
+def _flown(
+    picked: Floats,
+    wind: Wind,
+    airspeed_m_per_s: float,
+    interval_s: Floats,
+    heading_deg: Floats,
+    agl_m: Floats,
+    yaw_deg: Floats | float,
+) -> Disturbance:
+    """What a matrix (6, d) picks from the states, in the axes of poses; the other arguments are those of `fly`."""
     wind.checked(airspeed_m_per_s)
     heading_deg, agl_m = np.asarray(heading_deg, np.float64), np.asarray(agl_m, np.float64)
     interval_s, yaw_deg = np.asarray(interval_s, np.float64), np.asarray(yaw_deg, np.float64)
     _check(interval_s, heading_deg, agl_m, yaw_deg)
     if wind.sigma_m_per_s == 0.0 or heading_deg.size == 0:
         return Disturbance(*np.zeros((6, heading_deg.size)))
-    along, across, up, pitch, roll, yaw = _sampled(wind, airspeed_m_per_s, interval_s, agl_m)
+    along, across, up, pitch, roll, yaw = _sampled(picked, wind, airspeed_m_per_s, interval_s, agl_m)
     air_deg = heading_deg + wind.crab_deg(heading_deg, airspeed_m_per_s)
     sine, cosine = np.sin(np.radians(air_deg)), np.cos(np.radians(air_deg))
     turn = np.radians(air_deg - yaw_deg)
@@ -126,14 +156,13 @@ def _check(interval_s: Floats, heading_deg: Floats, agl_m: Floats, yaw_deg: Floa
             raise InvalidInput("{0} {1} {2}", name, wrong.flat[0], rule)
 
 
-def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats) -> Floats:
-    """Sample `gusts.OUTPUTS` at each exposure, (6, n).
+def _sampled(picked: Floats, wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats) -> Floats:
+    """Sample what a matrix (6, d) picks from the states, `gusts.OUTPUTS` or their rates, at each exposure, (6, n).
 
     Each exposure is the product of one matrix with the previous state followed by fresh normal deviates.
     """
     steps, which = _steps(wind.sigma_m_per_s, airspeed_m_per_s, interval_s, agl_m)
     size = len(STATES)
-    picked = output_matrix()
     bits = np.random.PCG64(np.random.SeedSequence(int(wind.seed)))
     sampled = np.empty((len(picked), which.size))
     states = np.zeros((min(CHUNK, which.size) + 1, 2 * size))

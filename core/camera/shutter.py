@@ -1,0 +1,59 @@
+"""Times of rows and instants while a shutter is open, and the strips of rows that one instant stands for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arrays import Floats
+
+#: Most instants of an exposure; longer streaks than half as many pixels have wider gaps between them.
+MOST_INSTANTS = 65
+#: Blur that is left out, px.
+LEAST_BLUR_PX = 0.02
+
+
+def row_times_s(height: int, row_time_us: float) -> Floats:
+    """Times (height,) of the exposures of rows, after the time of an image, which is that of its middle."""
+    times: Floats = (np.arange(height) + 0.5 - height / 2.0) * (row_time_us * 1e-6)
+    return times
+
+
+def instant_count(blur_px: float) -> int:
+    """Number of instants whose mean stands for an exposure that moves the image by a number of pixels.
+
+    Odd, so that one is the middle, and at most half a pixel apart, up to `MOST_INSTANTS`.
+    """
+    if not blur_px > LEAST_BLUR_PX:
+        return 1
+    return min(2 * math.ceil(min(blur_px, MOST_INSTANTS)) + 1, MOST_INSTANTS)
+
+
+def instants_s(exposure_ms: float, count: int) -> Floats:
+    """Times (count,) of the instants of an exposure, after its middle: in the middles of as many equal parts."""
+    times: Floats = ((np.arange(count) + 0.5) / count - 0.5) * (exposure_ms * 1e-3)
+    return times
+
+
+def strips(moved_px: Floats, most_px: float) -> list[tuple[int, int]]:
+    """Divide rows into strips within each of which the image moves by no more than a number of pixels, or single rows.
+
+    Parameters
+    ----------
+    moved_px : array (height,)
+        How far the image moves from the time of each row to that of the next.
+
+    Returns
+    -------
+    list of tuple of int
+        First row, and the one after the last.
+    """
+    height = len(moved_px)
+    way = np.append(0.0, np.cumsum(moved_px))
+    found, top = [], 0
+    while top < height:
+        bottom = max(int(np.searchsorted(way, way[top] + most_px, "right")) - 1, top + 1)
+        found.append((top, min(bottom, height)))
+        top = found[-1][1]
+    return found

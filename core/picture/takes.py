@@ -1,0 +1,163 @@
+"""Takes of a picture: strips of its rows (rolling shutter) at instants of the exposure (motion blur)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Floats
+from ..camera.shutter import instant_count, instants_s, strips
+from ..geodesy.camera import Poses
+from ..geodesy.ellipsoid import sight_lines, trace
+from ..mission.flight.rates import Rates
+from ..mission.plan import Plan
+
+#: Columns and rows of the points of an image at which its motion is measured.
+_POINTS = 17, 13
+#: Factor on the motion of an image of relief, which points may miss where it is greatest.
+_RELIEF_MARGIN = 1.25
+#: Time in which the motion of an image is measured, seconds.
+_MOMENT_S = 1e-4
+#: Metres to where there is no ground.
+_FAR_M = 1e9
+#: What is stated of the motion of a camera, by the name of the table's column.
+Facts = tuple[tuple[str, float], ...]
+
+
+class RowStrip(NamedTuple):
+    """Rows of a picture, from ``top`` to before ``bottom``, and the pose of the camera when they are exposed."""
+
+    top: int
+    bottom: int
+    pose: Poses
+
+
+@dataclass(frozen=True, eq=False)
+class Timing:
+    """Times at which the rows of a capture's picture are exposed, and the motion of the picture meanwhile.
+
+    Attributes
+    ----------
+    exposure_ms : float
+        Exposure time that blurs the picture; 0 without motion blur.
+    """
+
+    plan: Plan
+    index: int
+    exposure_ms: float
+    row_time_us: float
+
+    @classmethod
+    def of(cls, plan: Plan, index: int) -> Timing | None:
+        """Timing of a picture; None if motion does not change it."""
+        mission = plan.settings(index)
+        if plan.frames.on_map or not mission.shutter.takes_time:
+            return None
+        exposure_ms = mission.route.exposure_ms or 0.0
+        return cls(plan, index, exposure_ms if mission.shutter.motion_blur else 0.0, mission.shutter.row_time_us)
+
+    @cached_property
+    def rates(self) -> Rates:
+        """Velocity and turn rates of the camera, (1,)."""
+        return self.plan.rates.take(slice(self.index, self.index + 1))
+
+    @property
+    def _flown(self) -> Poses:
+        return self.plan.poses.take(slice(self.index, self.index + 1))
+
+    def pose(self, after_s: float) -> Poses:
+        """Pose of the camera at a time after that of the picture."""
+        return self.rates.moved(self._flown, after_s)
+
+    @cached_property
+    def _speeds(self) -> tuple[Floats, Floats]:
+        """Rows in px at which the motion of the picture is measured, (k,), and its greatest speed in px/s there."""
+        (width, height), camera = self.plan.views.size_px(self.index), self.plan.mission.camera
+        across, down = ((np.arange(count) + 0.5) / count for count in _POINTS)
+        x, y = np.meshgrid(2.0 * across - 1.0, 1.0 - 2.0 * down)
+        points = np.stack([x, y], axis=-1).reshape(-1, 2)
+        pose = self._flown
+        angles = [float(angle[0]) for angle in pose.attitude]
+        rays = camera.rays_enu(points, *angles)
+        vectors = rays * self._depth_m(rays, angles)[:, np.newaxis]
+        way = np.array([float(rate[0]) for rate in self.rates[:3]]) * _MOMENT_S
+        turned = [angle + float(rate[0]) * _MOMENT_S for angle, rate in zip(angles, self.rates[3:])]
+        before, _ = camera.image_xy(vectors, *angles)
+        after, _ = camera.image_xy(vectors - way, *turned)
+        moved_px = np.hypot(*((after - before) * (width / 2.0, height / 2.0)).T)
+        speed = moved_px.reshape(x.shape).max(axis=1) / _MOMENT_S
+        margin = 1.0 if self.plan.relief.is_level else _RELIEF_MARGIN
+        return down * height, speed * margin
+
+    def _depth_m(self, rays: Floats, angles: list[float]) -> Floats:
+        """Depths (k,) of the ground at the points where the motion is measured."""
+        if not self.plan.relief.is_level:
+            depth_m = self.plan.views.tracing(self.index, _POINTS).sighting.depth_m.ravel()
+        else:
+            lat, _, agl, *_ = (value[0] for value in self._flown)
+            ground = self.plan.ground
+            seen = trace(lat, agl, rays, ground)
+            axis = self.plan.mission.camera.rays_enu(((0.0, 0.0),), *angles)[0]
+            with np.errstate(invalid="ignore"):
+                depth_m = sight_lines(lat, agl, seen.lat_deg, seen.dlon_deg, ground) @ axis
+        return np.where(np.isfinite(depth_m), depth_m, _FAR_M)
+
+    @cached_property
+    def blur_px(self) -> float:
+        """Greatest motion of the picture during the exposure."""
+        return float(self._speeds[1].max()) * self.exposure_ms * 1e-3
+
+    @cached_property
+    def instants(self) -> int:
+        """Number of instants whose mean the picture is."""
+        return instant_count(self.blur_px)
+
+    def instants_s(self) -> list[float]:
+        """Times of the instants after the middle of the exposure."""
+        times: list[float] = instants_s(self.exposure_ms, self.instants).tolist()
+        return times
+
+    def strips(self, height: int, after_s: float = 0.0) -> list[RowStrip]:
+        """Strips of a picture of a height, at an instant after the middle of the exposure."""
+        planned = self.plan.views.size_px(self.index)[1]
+        found = []
+        for top, bottom in self._planned_strips:
+            first, end = (round(row * height / planned) for row in (top, bottom))
+            if first < end:
+                at_s = (top + bottom - planned) / 2.0 * self.row_time_us * 1e-6
+                found.append(RowStrip(first, end, self.pose(at_s + after_s)))
+        return found
+
+    @cached_property
+    def _planned_strips(self) -> list[tuple[int, int]]:
+        height = self.plan.views.size_px(self.index)[1]
+        rows, speeds = self._speeds
+        moved_px = np.interp(np.arange(height) + 0.5, rows, speeds) * (self.row_time_us * 1e-6)
+        if not moved_px.any():
+            return [(0, height)]
+        return strips(moved_px, self.plan.strip_px)
+
+    @property
+    def facts(self) -> Facts:
+        """What the table states: with it, the pose of each row follows."""
+        stated: dict[str, float] = {}
+        if self.exposure_ms:
+            stated = {
+                "exposure_ms": self.exposure_ms,
+                "motion_blur_px": self.blur_px,
+                "exposure_instants": float(self.instants),
+            }
+        names = "speed_east_m_per_s speed_north_m_per_s speed_up_m_per_s yaw_rate_deg_per_s tilt_rate_deg_per_s".split()
+        rates = dict(zip((*names, "roll_rate_deg_per_s"), (float(rate[0]) for rate in self.rates)))
+        return (("row_time_us", self.row_time_us), *stated.items(), *rates.items())
+
+
+def middle_strips(plan: Plan, index: int, size_px: tuple[int, int]) -> list[RowStrip]:
+    """Strips of a capture's picture, of any size, in the middle of the exposure; one if it does not move."""
+    timing = Timing.of(plan, index)
+    if timing is None:
+        return [RowStrip(0, size_px[1], plan.poses.take(slice(index, index + 1)))]
+    return timing.strips(size_px[1])
