@@ -199,6 +199,11 @@ def plan_benchmark(
         would be in no part.
     """
     mission = settings.queries.replace(frame="camera")
+    if mission.camera.distorts:
+        raise InvalidInput(
+            "lens that distorts: benchmarks state only focal lengths, and need a lens without distortion",
+            field="k1",
+        )
 
     def plan_imageries(mission: Mission) -> dict[str, Plan]:
         return {one.name: plan(mission.select_imagery(one), grids[str(one)], heights) for one in settings.imageries}

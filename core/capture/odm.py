@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import NDArray, Numbers
+from ..geodesy.camera import Camera
+from ..geodesy.lens import FISHEYE, PERSPECTIVE
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
 from ..picture.optics import Optics, camera_body, plan_optics
@@ -75,28 +77,35 @@ def odm_cameras(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
     """Return cameras by the names that OpenSfM and OpenDroneMap derive from an image's tags.
 
     A name has the image's size and the focal length in image widths, cut to six characters, so images of one camera may
-    have different names at other latitudes or if one is a pixel wider. The model is Brown's without distortion, which
-    has focal lengths along rows and columns. Each focal length is relative to the longer side, and midway between the
-    extremes of the images that share a name.
+    have different names at other latitudes or if one is a pixel wider. The model is Brown's, which has focal lengths
+    along rows and columns, or OpenCV's fisheye. Lengths are relative to the longer side, and midway between the
+    extremes of the images that share a name. Without cameras if the lens has coefficients that OpenSfM's models lack.
     """
-    body = camera_body(plan.mission.camera)
+    camera = plan.mission.camera
+    if camera.lens == PERSPECTIVE and any((camera.k4, camera.k5, camera.k6)):
+        return {}
+    body = camera_body(camera)
     found: dict[str, list[tuple[float, ...]]] = {}
     for width, height, focal_x, focal_y in np.unique(np.stack(optics[:4], axis=1), axis=0).tolist():
         ratio = FocalTags.from_lengths(body.focal_length_mm, focal_x, focal_y).ratio(int(width))
         size = f"{int(width)} {int(height)}"
         name = f"v2 {MAKE} {body.model} {size} perspective {str(ratio)[:6]}".lower()
         found.setdefault(name, []).append((width, height, focal_x, focal_y))
-    return {name: _camera(np.array(found[name])) for name in sorted(found)}
+    return {name: _camera(camera, np.array(found[name])) for name in sorted(found)}
 
 
-def _camera(sizes_and_focals: NDArray[np.float64]) -> dict[str, Any]:
+def _camera(camera: Camera, sizes_and_focals: NDArray[np.float64]) -> dict[str, Any]:
     width, height, focal_x, focal_y = ((sizes_and_focals.min(axis=0) + sizes_and_focals.max(axis=0)) / 2.0).tolist()
     longer = max(width, height)
+    is_fisheye = camera.lens == FISHEYE
+    names = ("k1", "k2", "k3", "k4") if is_fisheye else ("k1", "k2", "k3", "p1", "p2")
     return {
-        "projection_type": "brown",
+        "projection_type": "fisheye_opencv" if is_fisheye else "brown",
         "width": int(width),
         "height": int(height),
         "focal_x": figure(focal_x / longer),
         "focal_y": figure(focal_y / longer),
-        **dict.fromkeys(("c_x", "c_y", "k1", "k2", "k3", "p1", "p2"), 0.0),
+        "c_x": figure(camera.principal_x * width / longer),
+        "c_y": figure(camera.principal_y * height / longer),
+        **{name: figure(getattr(camera, name)) for name in names},
     }

@@ -15,7 +15,8 @@ from ..dataset.entropy import entropy
 from ..dataset.folder import TABLE_FILE
 from ..dataset.table import Table
 from ..errors import Message, PartError
-from ..geodesy.camera import Poses
+from ..geodesy.camera import Camera, Poses
+from ..geodesy.lens import FISHEYE
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
 from ..labels.label_map import LabelMap
@@ -324,7 +325,8 @@ def image_table(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> 
         "status": tuple(row.status for row in rows),
         "reason": tuple(row.reason for row in rows),
     }
-    return Table.from_columns(known, _fact_columns(rows))
+    lens = _lens_columns(plan.mission.camera, len(at))
+    return Table.from_columns(known, {**lens, **_fact_columns(rows)})
 
 
 def write_tables(
@@ -366,6 +368,14 @@ def _fact_columns(rows: Sequence[Outcome]) -> dict[str, tuple[str, ...]]:
     stated = [dict(row.facts) for row in rows]
     headers = dict.fromkeys(header for facts in stated for header in facts)
     return {header: tuple(stated_fact(facts.get(header, "")) for facts in stated) for header in headers}
+
+
+def _lens_columns(camera: Camera, count: int) -> dict[str, tuple[str, ...]]:
+    """Columns of the lens by header, as OpenCV defines its coefficients; none for a lens without distortion."""
+    if not camera.distorts:
+        return {}
+    names = ("k1", "k2", "k3", "k4") if camera.lens == FISHEYE else ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
+    return {name: (str(getattr(camera, name)),) * count for name in ("lens", *names)}
 
 
 def _shard_columns(rows: Sequence[Outcome]) -> dict[str, Any]:

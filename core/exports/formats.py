@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InvalidInput
+from ..geodesy.camera import Camera
+from ..geodesy.lens import FISHEYE, PERSPECTIVE
 from ..geodesy.quaternions import quaternions_from_matrices
 from ..storage.files import json_bytes, make_folder, new_folder, write_whole
 from .views import ORIGIN_FILE, Views, origin_record
@@ -46,33 +48,56 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
 def colmap(views: Views, _: Path) -> dict[str, str]:
     """COLMAP model as text in ``sparse/0``: cameras and images, without points.
 
-    Poses transform world to camera coordinates, with OpenCV's axes. There is one camera for each image size.
+    Poses transform world to camera coordinates, with OpenCV's axes. There is one camera for each image size. The model
+    is that of the lens: PINHOLE, OPENCV, FULL_OPENCV or OPENCV_FISHEYE.
     """
     sizes: dict[tuple[float, ...], int] = {}
+    model, parameters = _colmap_lens(views.camera)
     lines = []
     quaternions = quaternions_from_matrices(views.rotations)
     # Numbered in the order of names, as in COLMAP's database.
     for number, at in enumerate(np.argsort(views.names, kind="stable").tolist(), 1):
         name = views.names[at]
-        size = tuple(float(one[at]) for one in (views.width_px, views.height_px, views.fx_px, views.fy_px))
+        size = tuple(float(one[at]) for one in (views.width_px, views.height_px, *views.pinholes))
         camera = sizes.setdefault(size, len(sizes) + 1)
         shift = -views.rotations[at] @ views.centres_m[at]
         numbers = " ".join(repr(float(one)) for one in (*quaternions[at], *shift))
         # Each image has a second line, for points, which is empty.
         lines.append(f"{number} {numbers} {camera} {name}\n\n")
     cameras = [
-        f"{number} PINHOLE {width:.0f} {height:.0f} {fx!r} {fy!r} {width / 2.0!r} {height / 2.0!r}\n"
-        for (width, height, fx, fy), number in sizes.items()
+        f"{number} {model} {width:.0f} {height:.0f} {' '.join(repr(one) for one in (*pinhole, *parameters))}\n"
+        for (width, height, *pinhole), number in sizes.items()
     ]
     return {
-        "sparse/0/cameras.txt": "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n" + "".join(cameras),
+        "sparse/0/cameras.txt": "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY, then distortion\n" + "".join(cameras),
         "sparse/0/images.txt": "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then POINTS2D\n" + "".join(lines),
         "sparse/0/points3D.txt": "# POINT3D_ID X Y Z R G B ERROR TRACK\n",
     }
 
 
+def _colmap_lens(camera: Camera) -> tuple[str, tuple[float, ...]]:
+    """COLMAP's model of a lens, and its parameters after the pinhole's."""
+    k = (camera.k1, camera.k2, camera.k3, camera.k4, camera.k5, camera.k6)
+    if camera.lens == FISHEYE:
+        return "OPENCV_FISHEYE", k[:4]
+    if any(k[2:]):
+        return "FULL_OPENCV", (*k[:2], camera.p1, camera.p2, *k[2:])
+    distortion = (*k[:2], camera.p1, camera.p2)
+    return ("OPENCV", distortion) if any(distortion) else ("PINHOLE", ())
+
+
 def nerfstudio(views: Views, path: Path) -> dict[str, str]:
     """Nerfstudio's ``transforms.json``: poses from camera to world with OpenGL's axes, and relative image paths."""
+    camera = views.camera
+    names = ("k1", "k2", "k3", "k4") if camera.lens == FISHEYE else ("k1", "k2", "k3", "p1", "p2")
+    if camera.lens == PERSPECTIVE and any((camera.k4, camera.k5, camera.k6)):
+        raise InvalidInput(
+            "lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has",
+            camera.k4,
+            camera.k5,
+            camera.k6,
+            field="k4",
+        )
     # From OpenCV's camera axes (right, down, view) to OpenGL's (right, up, back).
     opengl = np.diag([1.0, -1.0, -1.0])
     frames = []
@@ -87,12 +112,15 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
                 "h": int(views.height_px[at]),
                 "fl_x": float(views.fx_px[at]),
                 "fl_y": float(views.fy_px[at]),
-                "cx": float(views.width_px[at] / 2.0),
-                "cy": float(views.height_px[at] / 2.0),
+                "cx": float(views.cx_px[at]),
+                "cy": float(views.cy_px[at]),
                 "transform_matrix": pose.tolist(),
             }
         )
-    document = {"camera_model": "OPENCV", "k1": 0.0, "k2": 0.0, "p1": 0.0, "p2": 0.0, "frames": frames}
+    # Nerfstudio takes k3 for 0 unless it is given.
+    distortion = {name: getattr(camera, name) for name in names if name != "k3" or camera.k3}
+    model = "OPENCV_FISHEYE" if camera.lens == FISHEYE else "OPENCV"
+    document = {"camera_model": model, **distortion, "frames": frames}
     return {"transforms.json": json.dumps(document, indent=1) + "\n"}
 
 

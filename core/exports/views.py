@@ -16,7 +16,7 @@ from ..dataset.ground import are_camera_frames, check_poses
 from ..dataset.labels import middle_position
 from ..dataset.table import unix_seconds, usable_rows
 from ..errors import InvalidInput, Message, OptionName
-from ..geodesy.camera import image_axes
+from ..geodesy.camera import Camera, image_axes
 from ..geodesy.local import LocalFrame
 from ..mission.mission import Mission
 
@@ -33,9 +33,10 @@ class Views:
         Folder of the images.
     names : tuple of str
         File names.
-    width_px, height_px, fx_px, fy_px : array (n,)
-        Sizes and focal lengths. The principal point is the image's middle, and (0.5, 0.5) the centre of the first
-        pixel.
+    camera : Camera
+        Camera of all images, whose lens may distort.
+    width_px, height_px, fx_px, fy_px, cx_px, cy_px : array (n,)
+        Sizes, focal lengths and principal points; (0.5, 0.5) is the centre of the first pixel.
     lat_deg, lon_deg, height_m : array (n,)
         Positions of the cameras; heights are above the WGS 84 ellipsoid.
     yaw_deg, tilt_deg, roll_deg : array (n,)
@@ -46,10 +47,13 @@ class Views:
 
     folder: Path
     names: tuple[str, ...]
+    camera: Camera
     width_px: Numbers
     height_px: Numbers
     fx_px: Floats
     fy_px: Floats
+    cx_px: Floats
+    cy_px: Floats
     lat_deg: Floats
     lon_deg: Floats
     height_m: Floats
@@ -60,6 +64,11 @@ class Views:
 
     def __len__(self) -> int:
         return len(self.names)
+
+    @property
+    def pinholes(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Focal lengths and principal points, (n,) each."""
+        return self.fx_px, self.fy_px, self.cx_px, self.cy_px
 
     @cached_property
     def frame(self) -> LocalFrame:
@@ -108,14 +117,18 @@ class Views:
         level = table.agl_m[rows] + mission.flight.ground_height_m
         times = unix_seconds([table.time_utc[row] for row in rows.tolist()])
         width, height = (size[rows] for size in (table.image_width_px, table.image_height_px))
-        tan_x, tan_y = mission.camera.half_tangents
+        camera = mission.camera
+        tan_x, tan_y = camera.half_tangents
         return cls(
             images.image_folder,
             tuple(table.img_names[row] for row in rows.tolist()),
+            camera,
             width.astype(np.int64),
             height.astype(np.int64),
             width / 2.0 / tan_x,
             height / 2.0 / tan_y,
+            width * (0.5 + camera.principal_x),
+            height * (0.5 + camera.principal_y),
             table.pose_lat_deg[rows],
             table.pose_lon_deg[rows],
             np.where(np.isnan(heights), level, heights),

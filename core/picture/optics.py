@@ -81,8 +81,10 @@ def planned_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
     if plan.frames.on_map:
         pinhole = _map_frames(plan, at)
     else:
-        tan_x, tan_y = plan.mission.camera.half_tangents
-        pinhole = (width / (2.0 * tan_x), height / (2.0 * tan_y), width / 2.0, height / 2.0)
+        camera = plan.mission.camera
+        tan_x, tan_y = camera.half_tangents
+        centre = width * (0.5 + camera.principal_x), height * (0.5 + camera.principal_y)
+        pinhole = (width / (2.0 * tan_x), height / (2.0 * tan_y), *centre)
     return Optics(width, height, *pinhole)
 
 

@@ -13,10 +13,12 @@ from pyproj import Transformer
 from scipy.spatial.transform import Rotation
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.clean import clean
+from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.exports.formats import FORMATS, ORIGIN_FILE, export
 from terrainav.core.exports.kinds import VIEWS
 from terrainav.core.exports.views import Views
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.quaternions import quaternions_from_matrices
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Points
@@ -35,10 +37,22 @@ TO_ECEF = Transformer.from_crs(4979, 4978, always_xy=True)
 FROM_ECEF = Transformer.from_crs(4978, 4979, always_xy=True)
 
 
+#: Lenses with their names in COLMAP and nerfstudio, the latter empty where it has none.
+LENSES = {
+    "brown": (Camera(70.0, k1=-0.2, k2=0.05, p1=0.002, p2=-0.001, principal_x=0.02), "OPENCV", "OPENCV"),
+    "radial": (Camera(70.0, k1=-0.2, k2=0.05, k3=0.01), "FULL_OPENCV", "OPENCV"),
+    "rational": (Camera(70.0, k1=0.2, k2=0.1, k4=0.4, k5=0.1, k6=0.02, principal_y=-0.01), "FULL_OPENCV", ""),
+    "fisheye": (Camera(110.0, lens="fisheye", k1=0.02, k2=-0.01), "OPENCV_FISHEYE", "OPENCV_FISHEYE"),
+}
+
+
 @pytest.fixture(scope="module")
 def captured(tmp_path_factory):
     """Tilted, rolled and turned views of colours that tell their place, above ground of 40 m."""
-    folder = tmp_path_factory.mktemp("captured")
+    return captured_with(Camera(), tmp_path_factory.mktemp("captured"))
+
+
+def captured_with(camera: Camera, folder: Path) -> Path:
     x, y = rasters.centres(PLACED, SIDE, SIDE)
     source = open_source(
         str(rasters.write(folder / "places.tif", rasters.position_colours(x - WEST, NORTH - y), PLACED, EPSG))
@@ -50,6 +64,7 @@ def captured(tmp_path_factory):
     mission = Mission(
         Points(poses, yaws),
         80.0,
+        camera,
         tilt_deg=25.0,
         roll_deg=-12.0,
         ground_height_m=40.0,
@@ -72,13 +87,29 @@ def origin_of(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     return place, np.stack([east, north, up], axis=1)
 
 
-def check_colours(image: Path, focal, to_world: np.ndarray, centre: np.ndarray, origin) -> None:
+def opencv_rays(model: str, parameters, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Rays (3, n) of image points, whose (0, 0) is the upper left corner, by OpenCV and the parameters of COLMAP."""
+    cv2 = pytest.importorskip("cv2")
+    fx, fy, cx, cy, *distortion = parameters
+    matrix, points = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), np.stack([x, y], axis=1)[:, np.newaxis]
+    undistort = cv2.fisheye.undistortPoints if model == "OPENCV_FISHEYE" else cv2.undistortPointsIter
+    criteria = (cv2.TERM_CRITERIA_MAX_ITER + cv2.TERM_CRITERIA_EPS, 100, 1e-12)
+    more = () if model == "OPENCV_FISHEYE" else (None, np.eye(3))
+    found = undistort(points, matrix, np.array(distortion), *more, **({} if not more else {"criteria": criteria}))
+    return np.vstack([found[:, 0].T, np.ones(len(x))])
+
+
+def check_colours(image: Path, focal, to_world: np.ndarray, centre: np.ndarray, origin, model="PINHOLE") -> None:
     """Rays of OpenCV's axes, turned by a matrix, from a place, hit the ground of 40 m where the colours say."""
     with Image.open(image) as opened:
         seen = np.asarray(opened, float)
     rows, columns = np.mgrid[5 : seen.shape[0] - 5 : 6, 5 : seen.shape[1] - 5 : 6]
-    fx, fy, cx, cy = focal
-    rays = np.stack([(columns.ravel() + 0.5 - cx) / fx, (rows.ravel() + 0.5 - cy) / fy, np.ones(rows.size)])
+    x, y = columns.ravel() + 0.5, rows.ravel() + 0.5
+    if model == "PINHOLE":
+        fx, fy, cx, cy = focal
+        rays = np.stack([(x - cx) / fx, (y - cy) / fy, np.ones(rows.size)])
+    else:
+        rays = opencv_rays(model, focal, x, y)
     place, axes = origin
     start, towards = place + axes @ centre, axes @ to_world @ rays
     # On a surface 40 m above the ellipsoid, found by Newton's method on the height that PROJ tells.
@@ -90,7 +121,8 @@ def check_colours(image: Path, focal, to_world: np.ndarray, centre: np.ndarray, 
     lon, lat, _ = FROM_ECEF.transform(*(start[:, None] + towards * far))
     x, y = TO_UTM.transform(lon, lat)
     waves = (x - WEST, NORTH - y, x - WEST + NORTH - y)
-    straight = ~np.any([rasters.turns(wave, 3.0) for wave in waves], axis=0)
+    # Far off the axis of a fisheye, pixels are larger.
+    straight = ~np.any([rasters.turns(wave, 3.0 if model == "PINHOLE" else 6.0) for wave in waves], axis=0)
     expected = np.stack([rasters.triangle(wave) for wave in waves])
     off = np.abs(seen[rows.ravel(), columns.ravel()].T - expected)[:, straight]
     assert straight.sum() > 40
@@ -114,6 +146,40 @@ def test_colmap(captured, tmp_path):
         w, x, y, z, *shift = map(float, numbers)
         rotation = Rotation.from_quat([x, y, z, w]).as_matrix()
         check_colours(captured / "satellite" / name, cameras[camera], rotation.T, -rotation.T @ shift, origin)
+
+
+@pytest.mark.parametrize("lens", LENSES)
+def test_lenses_that_distort(lens, tmp_path):
+    camera, colmap, nerfstudio = LENSES[lens]
+    captured = captured_with(camera, tmp_path)
+    folder = export(Views.read(captured), tmp_path / "model", "colmap") / "sparse" / "0"
+    cameras = {}
+    for line in (folder / "cameras.txt").read_text().splitlines()[1:]:
+        number, model, _, _, *parameters = line.split()
+        assert model == colmap
+        cameras[number] = [float(one) for one in parameters]
+    origin = origin_of(tmp_path / "model")
+    for line in (folder / "images.txt").read_text().splitlines()[1::2]:
+        _, *numbers, number, name = line.split()
+        w, x, y, z, *shift = map(float, numbers)
+        rotation = Rotation.from_quat([x, y, z, w]).as_matrix()
+        image = captured / "satellite" / name
+        check_colours(image, cameras[number], rotation.T, -rotation.T @ shift, origin, colmap)
+    row = Table.load(captured / "satellite" / "meta_data.csv").other
+    assert {row[name][0] for name in ("lens", "k1")} == {camera.lens, str(camera.k1)}
+    if not nerfstudio:
+        with pytest.raises(InvalidInput, match="nerfstudio has no such lens"):
+            export(Views.read(captured), tmp_path / "nerf", "nerfstudio")
+        return
+    document = json.loads(
+        (export(Views.read(captured), tmp_path / "nerf", "nerfstudio") / "transforms.json").read_text()
+    )
+    assert document["camera_model"] == nerfstudio
+    frame = document["frames"][0]
+    assert [frame[name] for name in ("fl_x", "fl_y", "cx", "cy")] in [one[:4] for one in cameras.values()]
+    stated = {name: document[name] for name in document if name[0] in "kp"}
+    assert stated == {name: getattr(camera, name) for name in stated}
+    assert {name for name in ("k1", "k2", "k3", "k4", "p1", "p2") if getattr(camera, name)} <= set(stated)
 
 
 def test_nerfstudio(captured, tmp_path):
