@@ -3,6 +3,7 @@
 In reading order:
 
 - `paths`: paths of rays in map coordinates, as polynomials
+- `pixel_rays`: rays through the pixels of an image, straight or bent by a lens
 - `pyramid`: greatest values of a grid's cells in ever larger blocks
 - `kernels`: rays followed one by one, compiled by numba
 - `surface`: heights on a grid, and the first hit of each ray

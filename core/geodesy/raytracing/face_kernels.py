@@ -6,6 +6,7 @@ import math
 
 from ...arrays import Floats, Numbers
 from ...external.compiling import compiled
+from .pixel_rays import PixelBlocks
 
 
 @compiled
@@ -73,8 +74,8 @@ def outlines(
     corners_m : array (n, 3, 3)
     frame : array (7, 3)
         Position of the camera; rays by constant, column and row; the inverse matrix of the rays.
-    limits : array (4,)
-        Columns, rows, least depth, and by which share boxes are wider.
+    limits : array (5,)
+        Columns, rows, least depth, by which share boxes are wider, and by how many pixels.
     seen, boxes, forms, side : array (n,), (n, 4), (n, 4, 3), (n,)
         Filled from the front.
     scratch : array (10, 4)
@@ -84,7 +85,7 @@ def outlines(
     int
         How many may be seen.
     """
-    wide, high, near, wider = limits
+    wide, high, near, wider, margin = limits
     at, from_camera, normal, edges, ends = scratch[:3], scratch[3:6], scratch[6], scratch[7:9], scratch[9]
     count = 0
     for one in range(len(corners_m)):
@@ -100,8 +101,10 @@ def outlines(
             wider * (abs(ends[0]) + abs(ends[1]) + wide),
             wider * (abs(ends[2]) + abs(ends[3]) + high),
         )
-        left, right = _end(math.ceil(ends[0] - slack_x - 0.5), wide), _end(math.floor(ends[1] + slack_x + 0.5), wide)
-        top, bottom = _end(math.ceil(ends[2] - slack_y - 0.5), high), _end(math.floor(ends[3] + slack_y + 0.5), high)
+        left = _end(math.ceil(ends[0] - slack_x - margin), wide)
+        right = _end(math.floor(ends[1] + slack_x + margin), wide)
+        top = _end(math.ceil(ends[2] - slack_y - margin), high)
+        bottom = _end(math.floor(ends[3] + slack_y + margin), high)
         if left >= right or top >= bottom:
             continue
         for axis in range(3):
@@ -151,8 +154,101 @@ def draw(forms: Floats, boxes: Numbers, nearness: Floats, triangle: Numbers) -> 
 
 
 @compiled
+def _is_beside(form: Floats, low_x: float, high_x: float, low_y: float, high_y: float) -> bool:
+    """Whether an edge function is negative all over a box, by more than rounding."""
+    most = form[0] + max(form[1] * low_x, form[1] * high_x) + max(form[2] * low_y, form[2] * high_y)
+    size = abs(form[0]) + abs(form[1]) * max(abs(low_x), abs(high_x)) + abs(form[2]) * max(abs(low_y), abs(high_y))
+    is_beside: bool = most < -1e-13 * size
+    return is_beside
+
+
+@compiled
+def _draw_block(
+    f: Floats,
+    one: int,
+    box: tuple[int, int, int, int],
+    points: tuple[Floats, Floats],
+    nearness: Floats,
+    triangle: Numbers,
+) -> None:
+    """Draw a triangle into a box of pixels: first row, the one after the last, first column, the one after the last."""
+    for row in range(box[0], box[1]):
+        for column in range(box[2], box[3]):
+            x, y = points[0][row + 1, column + 1], points[1][row + 1, column + 1]
+            if (
+                (f[0, 0] + y * f[0, 2]) + x * f[0, 1] >= 0.0
+                and (f[1, 0] + y * f[1, 2]) + x * f[1, 1] >= 0.0
+                and (f[2, 0] + y * f[2, 2]) + x * f[2, 1] >= 0.0
+            ):
+                value = (f[3, 0] + y * f[3, 2]) + x * f[3, 1]
+                if value > nearness[row, column]:
+                    nearness[row, column], triangle[row, column] = value, one
+
+
+@compiled
+def draw_seen(
+    forms: Floats,
+    boxes: Numbers,
+    points: tuple[Floats, Floats],
+    blocks: PixelBlocks,
+    leaf_px: int,
+    stack: Numbers,
+    nearness: Floats,
+    triangle: Numbers,
+) -> None:
+    """Draw triangles as `draw` into the image of a lens that distorts: at the points of its pixels.
+
+    Parameters
+    ----------
+    boxes : array (n, 4)
+        On the ideal image plane.
+    points, blocks, leaf_px
+        See `pixel_rays`.
+    stack : array (4 * levels, 3)
+        Room for the levels, rows and columns of blocks.
+    """
+    height, width = nearness.shape
+    for one in range(len(boxes)):
+        left, top, right, bottom = boxes[one]
+        f = forms[one]
+        stack[0, 0], stack[0, 1], stack[0, 2] = len(blocks.first) - 1, 0, 0
+        count = 1
+        while count > 0:
+            count -= 1
+            level, i, j = stack[count]
+            at = blocks.first[level] + i * blocks.wide[level] + j
+            low_x, high_x, low_y, high_y = (
+                blocks.ends[0, at], blocks.ends[1, at], blocks.ends[2, at], blocks.ends[3, at]
+            )  # fmt: skip
+            if high_x < left or low_x > right or high_y < top or low_y > bottom:
+                continue
+            if (
+                _is_beside(f[0], low_x, high_x, low_y, high_y)
+                or _is_beside(f[1], low_x, high_x, low_y, high_y)
+                or _is_beside(f[2], low_x, high_x, low_y, high_y)
+            ):
+                continue
+            if level == 0:
+                first, column = i * leaf_px, j * leaf_px
+                box = first, min(first + leaf_px, height), column, min(column + leaf_px, width)
+                _draw_block(f, one, box, points, nearness, triangle)
+                continue
+            for below in range(2 * i, min(2 * i + 2, blocks.high[level - 1])):
+                for beside in range(2 * j, min(2 * j + 2, blocks.wide[level - 1])):
+                    stack[count, 0], stack[count, 1], stack[count, 2] = level - 1, below, beside
+                    count += 1
+
+
+@compiled
 def interpolate(
-    forms: Floats, which: Numbers, row: Numbers, column: Numbers, t: Floats, most_steps: Floats, found: Floats
+    forms: Floats,
+    which: Numbers,
+    row: Numbers,
+    column: Numbers,
+    points: tuple[Floats, Floats],
+    t: Floats,
+    most_steps: Floats,
+    found: Floats,
 ) -> None:
     """Fill two values at pixels (n,), such as places on a map or in a texture, and their steps along columns and rows.
 
@@ -162,22 +258,47 @@ def interpolate(
         Of each face, both values times the third line, by constant, column and row.
     which : array (n,)
         Face of each pixel.
+    points
+        Those of `PixelRays`.
     t : array (height, width)
         Distances along the image's rays.
-    most_steps : array (2,)
+    most_steps : array (2, 1), or (2, n)
         Greatest steps along columns and rows, for each unit of ``t``.
     found : array (6, n)
         Both values, their steps along columns, and along rows.
     """
+    is_straight, varies = points[0].size == 0, most_steps.shape[1] > 1
+    x_step, y_step = 0.0, 0.0
     for one in range(len(which)):
-        form = forms[which[one]]
-        x, y, away = column[one] + 0.5, row[one] + 0.5, t[row[one], column[one]]
+        form, i, j = forms[which[one]], row[one], column[one]
+        away = t[i, j]
+        x, y = (j + 0.5, i + 0.5) if is_straight else (points[0][i + 1, j + 1], points[1][i + 1, j + 1])
         whole = form[2, 0] + x * form[2, 1] + y * form[2, 2]
         for axis in range(2):
             found[axis, one] = (form[axis, 0] + x * form[axis, 1] + y * form[axis, 2]) / whole
         for term in range(1, 3):
-            u = (form[0, term] - found[0, one] * form[2, term]) / whole
-            v = (form[1, term] - found[1, one] * form[2, term]) / whole
-            length, most = math.sqrt(u * u + v * v), most_steps[term - 1] * away
+            if is_straight:
+                per_u, per_v, per_whole = form[0, term], form[1, term], form[2, term]
+            else:
+                x_step, y_step = _step(points[0], i, j, term), _step(points[1], i, j, term)
+                per_u, per_v, per_whole = (
+                    x_step * form[0, 1] + y_step * form[0, 2],
+                    x_step * form[1, 1] + y_step * form[1, 2],
+                    x_step * form[2, 1] + y_step * form[2, 2],
+                )
+            u = (per_u - found[0, one] * per_whole) / whole
+            v = (per_v - found[1, one] * per_whole) / whole
+            length, most = math.sqrt(u * u + v * v), most_steps[term - 1, one if varies else 0] * away
             share = most / length if length > most else 1.0
             found[2 * term, one], found[2 * term + 1, one] = share * u, share * v
+
+
+# Not shared with `sampling`: numba keeps a module's code by its own file.
+@compiled
+def _step(points: Floats, row: int, column: int, term: int) -> float:
+    """Change of one coordinate from a pixel to the next along its row, for a term of 1, or down its column."""
+    if term == 1:
+        step: float = (points[row + 1, column + 2] - points[row + 1, column]) / 2.0
+    else:
+        step = (points[row + 2, column + 1] - points[row, column + 1]) / 2.0
+    return step

@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import Floats, Numbers, expand_counts
 from ...external.compiling import uses_numba
 from ..triangles import NO_TRIANGLES, Triangles
-from .surface import PixelRays
+from .pixel_rays import LEAF_PX, PixelRays
 
 #: Candidates, pixels in boxes around triangles, that numpy looks at together.
 _BATCH = 1 << 18
@@ -65,17 +65,12 @@ def face_hits(triangles: Triangles, camera_m: Floats, axes: Floats, rays: PixelR
     axes : array (3, 3)
         Its axes east, north and up in the Earth's frame, as rows; the rays are in these.
     """
-    ways = np.stack(rays[:3]) @ axes
+    ways = rays.ways @ axes
     seen, boxes, forms, side = (_compiled_outlines if uses_numba() else _outlines)(triangles, camera_m, ways, rays)
     if not len(seen):
         return FaceHits.none(rays)
     nearness, triangle = np.zeros((rays.height, rays.width)), np.full((rays.height, rays.width), -1, np.int64)
-    if uses_numba():
-        from .face_kernels import draw
-
-        draw(forms, boxes, nearness, triangle)
-    else:
-        _draw(forms, boxes, nearness, triangle)
+    _draw_at_pixels(forms, boxes, rays, nearness, triangle)
     with np.errstate(divide="ignore"):
         return FaceHits(1.0 / nearness, triangle, triangles.take(seen), forms, side)
 
@@ -101,7 +96,7 @@ def _compiled_outlines(
 
     n = len(triangles)
     seen, boxes, forms, side = np.empty(n, np.int64), np.empty((n, 4), np.int64), np.empty((n, 4, 3)), np.empty(n)
-    limits = np.array([rays.width, rays.height, _NEAR, _WIDER])
+    limits = np.array([*rays.plane_px, _NEAR, _WIDER, _margin(rays)])
     frame = np.ascontiguousarray(np.stack([camera_m, *ways, *np.linalg.inv(ways)]))
     count = outlines(
         np.ascontiguousarray(triangles.corners_m), frame, limits, seen, boxes, forms, side, np.empty((10, 4))
@@ -132,8 +127,13 @@ def _cross(one: Floats, other: Floats) -> Floats:
     return np.stack([b * f - c * e, c * d - a * f, a * e - b * d], axis=1)
 
 
+def _margin(rays: PixelRays) -> float:
+    """Distance that the points of pixels keep from the edges of ideal pixels, px; 1 beyond them for any points."""
+    return 1.0 if rays.is_bent else 0.5
+
+
 def _boxes(corners: Floats, ways: Floats, rays: PixelRays) -> Numbers:
-    """Columns and rows of the pixels that triangles may cover: firsts, and the ones after the last; (n, 4)."""
+    """Columns and rows of the ideal pixels that triangles may cover: firsts, and the ones after the last; (n, 4)."""
     inverse = np.linalg.inv(ways)
     depth, x, y = np.moveaxis(corners @ inverse, 2, 0)
     is_ahead = depth > _NEAR
@@ -149,11 +149,11 @@ def _boxes(corners: Floats, ways: Floats, rays: PixelRays) -> Numbers:
     if len(across):
         points = _cut(depth[across], np.stack([x[across], y[across]]), is_ahead[across])
         low[:, across], high[:, across] = np.nanmin(points, axis=2), np.nanmax(points, axis=2)
-    size = np.array([[rays.width], [rays.height]])
+    size, margin = np.array([[side] for side in rays.plane_px]), _margin(rays)
     low[:, ~some], high[:, ~some] = 1.0, 0.0
     slack = _WIDER * (np.abs(low) + np.abs(high) + size)
-    firsts = np.clip(np.ceil(low - slack - 0.5), 0.0, size)
-    ends = np.clip(np.floor(high + slack - 0.5) + 1.0, 0.0, size)
+    firsts = np.clip(np.ceil(low - slack - margin), 0.0, size)
+    ends = np.clip(np.floor(high + slack + margin), 0.0, size)
     boxes: Numbers = np.concatenate([firsts, ends]).T.astype(np.int64)
     return boxes
 
@@ -166,6 +166,23 @@ def _cut(depth: Floats, at: Floats, is_ahead: Floats) -> Floats:
         share = (_NEAR - depth) / (after[0] - depth)
         cuts = np.where(is_ahead != after[2], (at + share * (after[1] - at)) / _NEAR, np.nan)
     return np.concatenate([corners, cuts], axis=2)
+
+
+def _draw_at_pixels(forms: Floats, boxes: Numbers, rays: PixelRays, nearness: Floats, triangle: Numbers) -> None:
+    """Draw triangles into an image of nearness and triangles, at the points that its pixels see."""
+    if not uses_numba():
+        if rays.is_bent:
+            _draw_seen(forms, boxes, rays, nearness, triangle)
+        else:
+            _draw(forms, boxes, nearness, triangle)
+        return
+    from . import face_kernels
+
+    if rays.is_bent:
+        stack = np.empty((4 * len(rays.blocks.first), 3), np.int64)
+        face_kernels.draw_seen(forms, boxes, rays.points, rays.blocks, LEAF_PX, stack, nearness, triangle)
+    else:
+        face_kernels.draw(forms, boxes, nearness, triangle)
 
 
 def _draw(forms: Floats, boxes: Numbers, nearness: Floats, triangle: Numbers) -> None:
@@ -197,10 +214,58 @@ def _draw_rows(
         which, column = which[inside], column[inside]
     one = of_row[which]
     value = at_row[3][which] + (column + 0.5) * forms[one, 3, 1]
-    pixel = row[which] * nearness.shape[1] + column
+    _keep_nearest(one, row[which] * nearness.shape[1] + column, value, nearness, triangle)
+
+
+def _keep_nearest(one: Numbers, pixel: Numbers, value: Floats, nearness: Floats, triangle: Numbers) -> None:
+    """Put triangles into pixels where they are nearest."""
     nearer = value > nearness.ravel()[pixel]
     pixel, value, one = pixel[nearer], value[nearer], one[nearer]
     # The nearest of each pixel, and of equally near ones the first.
     order = np.lexsort((one, -value, pixel))
     order = order[np.append(True, np.diff(pixel[order]) != 0)[: len(order)]]
     nearness.ravel()[pixel[order]], triangle.ravel()[pixel[order]] = value[order], one[order]
+
+
+def _draw_seen(forms: Floats, boxes: Numbers, rays: PixelRays, nearness: Floats, triangle: Numbers) -> None:
+    """`face_kernels.draw_seen` in numpy: the same pixels, a number of candidates at a time."""
+    blocks, shape = rays.blocks, nearness.shape
+    inner = [at[1:-1, 1:-1].ravel() for at in rays.points]
+
+    def descend(level: int, one: Numbers, i: Numbers, j: Numbers) -> None:
+        low_x, high_x, low_y, high_y = blocks.ends[:, blocks.first[level] + i * blocks.wide[level] + j]
+        left, top, right, bottom = boxes[one].T
+        meets = np.flatnonzero((high_x >= left) & (low_x <= right) & (high_y >= top) & (low_y <= bottom))
+        one, i, j = one[meets], i[meets], j[meets]
+        side = 2 if level else LEAF_PX
+        high, wide = (blocks.high[level - 1], blocks.wide[level - 1]) if level else shape
+        # In the order of the triangles.
+        for start in range(0, len(one), _BATCH // side**2):
+            part = slice(start, start + _BATCH // side**2)
+            below, beside = (
+                (at[part, np.newaxis] * side + off).ravel()
+                for at, off in zip((i, j), np.divmod(np.arange(side * side), side))
+            )
+            owner = one[part].repeat(side * side)
+            inside = np.flatnonzero((below < high) & (beside < wide))
+            owner, below, beside = owner[inside], below[inside], beside[inside]
+            if level:
+                descend(level - 1, owner, below, beside)
+            else:
+                draw(owner, below * shape[1] + beside)
+
+    def draw(one: Numbers, pixel: Numbers) -> None:
+        for k in range(3):
+            inside = np.flatnonzero(_at(forms, one, k, inner, pixel) >= 0.0)
+            one, pixel = one[inside], pixel[inside]
+        _keep_nearest(one, pixel, _at(forms, one, 3, inner, pixel), nearness, triangle)
+
+    start = np.zeros(len(boxes), np.int64)
+    descend(len(blocks.first) - 1, np.arange(len(boxes)), start, start)
+
+
+def _at(forms: Floats, one: Numbers, k: int, points: list[Floats], pixel: Numbers) -> Floats:
+    """Values of one function of triangles at the points of pixels."""
+    constant, per_x, per_y = forms[one, k].T
+    values: Floats = (constant + points[1][pixel] * per_y) + points[0][pixel] * per_x
+    return values

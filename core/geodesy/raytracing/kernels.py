@@ -439,6 +439,44 @@ def _fill_bundle(forms: Floats, left: float, top: float, right: float, bottom: f
 
 
 @compiled
+def _fill_point(forms: Floats, x_px: float, y_px: float, c: Floats) -> None:
+    """Fill in the coefficients (degree, 3) of the path through any point; terms above a form's degree are zero."""
+    for power in range(len(forms)):
+        for axis in range(3):
+            total = 0.0
+            for k in range(power + 1, -1, -1):
+                part = 0.0
+                for m in range(power + 1 - k, -1, -1):
+                    part = part * y_px + forms[power, axis, m, k]
+                total = total * x_px + part
+            c[power, axis] = total
+
+
+@compiled
+def _extent(points: Floats, top: int, bottom: int, left: int, right: int) -> tuple[float, float]:
+    """Least and greatest coordinate of the points of pixels in a box; see `DistortedRays`."""
+    least, greatest = np.inf, -np.inf
+    for row in range(top + 1, bottom + 1):
+        for column in range(left + 1, right + 1):
+            least, greatest = min(least, points[row, column]), max(greatest, points[row, column])
+    return least, greatest
+
+
+@compiled
+def _fill_pixels(
+    forms: Floats, points: tuple[Floats, Floats], box: tuple[int, int, int, int], scratch: Scratch
+) -> None:
+    """Fill in the middle ray of the pixels in a box (top, bottom, left, right), and the spread of the others."""
+    top, bottom, left, right = box
+    if points[0].size:
+        low_x, high_x = _extent(points[0], top, bottom, left, right)
+        low_y, high_y = _extent(points[1], top, bottom, left, right)
+        _fill_bundle(forms, low_x, low_y, high_x, high_y, scratch)
+    else:
+        _fill_bundle(forms, left, top, right, bottom, scratch)
+
+
+@compiled
 def _least(values: Floats, top: int, bottom: int, left: int, right: int) -> float:
     """Least value in a box."""
     least = np.inf
@@ -470,6 +508,7 @@ def image_hits(
     rules: Rules,
     start: Floats,
     forms: Floats,
+    points: tuple[Floats, Floats],
     longest: float,
     spans: tuple[Floats, Floats],
     farthest: float,
@@ -480,7 +519,7 @@ def image_hits(
 ) -> None:
     """Fill in t, column and row of the first hits of an image's pixels, (3, height, width).
 
-    ``forms`` (degree, 3, k, k) are those of `PixelRays.forms`; ``sides`` are those of bundles, px. See
+    ``forms`` (degree, 3, k, k) and ``points`` are those of `PixelRays`; ``sides`` are those of bundles, px. See
     `Surface.image_hits` for the rest.
     """
     height, width = spans[0].shape
@@ -492,14 +531,14 @@ def image_hits(
             least = _least(spans[0], top, bottom, left, right)
             if least > farthest:
                 continue
-            _fill_bundle(forms, left, top, right, bottom, scratch)
+            _fill_pixels(forms, points, (top, bottom, left, right), scratch)
             t_large = _clear(blocks, rules, start, scratch.c, scratch.spread, least, farthest, top_level)
             if t_large == np.inf:
                 continue
             for upper in range(top, bottom, small):
                 for first in range(left, right, small):
                     _search_bundle(
-                        heights, blocks, rules, start, forms, longest, spans, farthest, begins, t_large,
+                        heights, blocks, rules, start, forms, points, longest, spans, farthest, begins, t_large,
                         (upper, min(upper + small, bottom), first, min(first + small, right)), scratch, found,
                     )  # fmt: skip
 
@@ -511,6 +550,7 @@ def _search_bundle(
     rules: Rules,
     start: Floats,
     forms: Floats,
+    points: tuple[Floats, Floats],
     longest: float,
     spans: tuple[Floats, Floats],
     farthest: float,
@@ -528,17 +568,22 @@ def _search_bundle(
         return
     top_level = len(blocks.first) - 1
     level, t_begin = (min(2, top_level), t_large) if t_large >= least else (top_level, least)
-    _fill_bundle(forms, left, top, right, bottom, scratch)
+    _fill_pixels(forms, points, box, scratch)
     t_small = _clear(blocks, rules, start, scratch.c, scratch.spread, t_begin, farthest, level)
     if t_small == np.inf:
         return
+    is_straight = points[0].size == 0
     for row in range(top, bottom):
-        _fill_lines(forms, row + 0.5, scratch.lines)
+        if is_straight:
+            _fill_lines(forms, row + 0.5, scratch.lines)
         for column in range(left, right):
             t, end = max(t_small, after[row, column]), until[row, column]
             if t > end:
                 continue
-            _fill_ray(scratch.lines, column + 0.5, scratch.c)
+            if is_straight:
+                _fill_ray(scratch.lines, column + 0.5, scratch.c)
+            else:
+                _fill_point(forms, points[0][row + 1, column + 1], points[1][row + 1, column + 1], scratch.c)
             if begins and t == after[row, column]:
                 is_below, x, y = _begins_below(heights, start, scratch.c, t)
                 if is_below:

@@ -107,6 +107,16 @@ def _has_ground(heights: Floats, per: Floats, column: float, row: float, steps: 
 
 
 @compiled
+def _step(points: Floats, row: int, column: int, axis: int) -> float:
+    """Change of one coordinate from a pixel to the next along its row, or down its column: see `PixelRays`."""
+    if axis == 0:
+        step: float = (points[row + 1, column + 2] - points[row + 1, column]) / 2.0
+    else:
+        step = (points[row + 2, column + 1] - points[row, column + 1]) / 2.0
+    return step
+
+
+@compiled
 def seen_pixels(
     heights: Floats,
     has_holes: bool,
@@ -114,15 +124,17 @@ def seen_pixels(
     hit_column: Floats,
     hit_row: Floats,
     rays: Floats,
+    points: tuple[Floats, Floats],
     per: Floats,
     steep: float,
     pixels: SeenPixels,
 ) -> tuple[int, int]:
     """Fill in the pixels that see a surface; return their number, and that of all that see steep faces.
 
-    Hits are (height, width); ``rays`` (3, 3) are those of `PixelRays`.
+    Hits are (height, width); ``rays`` (3, 3) and ``points`` are those of `PixelRays`.
     """
-    count, faces = 0, 0
+    count, faces, is_straight = 0, 0, points[0].size == 0
+    x_px, y_px, x_step, y_step = 0.0, 0.0, 0.0, 0.0
     for row in range(hit_t.shape[0]):
         for column in range(hit_t.shape[1]):
             t = hit_t[row, column]
@@ -132,14 +144,25 @@ def seen_pixels(
             _, across, down = _ground(heights, x, y)
             slope_east, slope_north = _slopes(per, across, down)
             is_steep = slope_east * slope_east + slope_north * slope_north > steep * steep
+            if is_straight:
+                x_px, y_px = column + 0.5, row + 0.5
+            else:
+                x_px, y_px = points[0][row + 1, column + 1], points[1][row + 1, column + 1]
             east, north, up = (
-                rays[0, 0] + (column + 0.5) * rays[1, 0] + (row + 0.5) * rays[2, 0],
-                rays[0, 1] + (column + 0.5) * rays[1, 1] + (row + 0.5) * rays[2, 1],
-                rays[0, 2] + (column + 0.5) * rays[1, 2] + (row + 0.5) * rays[2, 2],
+                rays[0, 0] + x_px * rays[1, 0] + y_px * rays[2, 0],
+                rays[0, 1] + x_px * rays[1, 1] + y_px * rays[2, 1],
+                rays[0, 2] + x_px * rays[1, 2] + y_px * rays[2, 2],
             )
             facing = min(up - slope_east * east - slope_north * north, -0.02 * abs(up) - 1e-12)
             for axis in range(2):
                 per_east, per_north, per_up = rays[1 + axis, 0], rays[1 + axis, 1], rays[1 + axis, 2]
+                if not is_straight:
+                    x_step, y_step = _step(points[0], row, column, axis), _step(points[1], row, column, axis)
+                    per_east, per_north, per_up = (
+                        x_step * rays[1, 0] + y_step * rays[2, 0],
+                        x_step * rays[1, 1] + y_step * rays[2, 1],
+                        x_step * rays[1, 2] + y_step * rays[2, 2],
+                    )
                 ahead = 0.0 if is_steep else (per_up - slope_east * per_east - slope_north * per_north) / facing
                 pixels.steps[count, 2 * axis] = t * (per_east - ahead * east)
                 pixels.steps[count, 2 * axis + 1] = t * (per_north - ahead * north)

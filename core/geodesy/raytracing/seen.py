@@ -11,7 +11,8 @@ from ...arrays import Flags, Floats
 from ...external.compiling import uses_numba
 from ..mercator import PixelGrid, wrap_lon_deg
 from ..view import KIND_BITS, MOST_POWER, NEAREST_PX, Detail, Samples, plane_samples
-from .surface import Hits, PixelRays, Surface
+from .pixel_rays import PixelRays
+from .surface import Hits, Surface
 
 #: Slope, metres per metre, above which faces cannot be seen from above: no map shows their colours.
 STEEP = 2.0
@@ -92,12 +93,12 @@ class Seen(NamedTuple):
         slope_east, slope_north = self.slopes(at_column, at_row)
         steep = np.hypot(slope_east, slope_north) > STEEP
         faces = int(np.count_nonzero(steep))
-        ray_east, ray_north, ray_up = directions = self.rays.directions(column + 0.5, row + 0.5).T
+        ray_east, ray_north, ray_up = directions = self.rays.through(row, column).T
         # Intersect the ground's tangent plane, n·p = const, with the rays of neighbouring pixels; rays that are nearly
         # parallel to it count as steeper.
         facing = np.minimum(ray_up - slope_east * ray_east - slope_north * ray_north, -0.02 * np.abs(ray_up) - _LEAST)
         steps: list[tuple[Floats, Floats]] = []
-        for per in (self.rays.per_x, self.rays.per_y):
+        for per in self.rays.changes(row, column, *(way[:, np.newaxis] for way in self.rays.ways[1:])):
             ahead = (per[2] - slope_east * per[0] - slope_north * per[1]) / facing
             ahead[steep] = 0.0
             steps.append((t * (per[0] - ahead * directions[0]), t * (per[1] - ahead * directions[1])))
@@ -124,8 +125,8 @@ class Seen(NamedTuple):
 
         pixels = sampling.SeenPixels.blank(int(np.count_nonzero(np.isfinite(self.hits.t))))
         heights, has_holes = self.surface.grid_heights_m, self.surface.has_holes
-        ways = np.stack(self.rays[:3])
-        count, faces = sampling.seen_pixels(heights, has_holes, *self.hits, ways, self.per_metre, STEEP, pixels)
+        rays = self.rays.ways, self.rays.points
+        count, faces = sampling.seen_pixels(heights, has_holes, *self.hits, *rays, self.per_metre, STEEP, pixels)
         if not count:
             return [], faces
         pixels = pixels.first(count)

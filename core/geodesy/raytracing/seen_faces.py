@@ -14,7 +14,7 @@ from ..mercator import PixelGrid
 from ..skins import Skin
 from ..view import Samples, plane_samples
 from .faces import FaceHits
-from .surface import PixelRays
+from .pixel_rays import PixelRays
 
 #: Most ground that a pixel's sample steps over, in pixels of a face across the ray: as for relief.
 _MOST_STEP = 50.0
@@ -72,7 +72,7 @@ class SeenFaces(NamedTuple):
     def points(self) -> tuple[Floats, Floats, Floats]:
         """Latitudes, longitudes, continuous with the camera's, and heights."""
         lat, lon, height = self.place
-        offsets = self.t[:, np.newaxis] * self.rays.directions(self.column + 0.5, self.row + 0.5)
+        offsets = self.t[:, np.newaxis] * self.rays.through(self.row, self.column)
         at_lat, dlon, at_height = positions(np.array(lat), np.array(height), offsets)
         return at_lat, lon + dlon, at_height
 
@@ -108,7 +108,9 @@ class SeenFaces(NamedTuple):
         textured = triangle[some]
         faces, which = self._distinct(textured)
         corners = np.moveaxis(skin.places[faces], 2, 0)
-        found = self._interpolated(corners, faces, which, (painted.row[some], painted.column[some]), np.full(2, np.inf))
+        found = self._interpolated(
+            corners, faces, which, (painted.row[some], painted.column[some]), np.full((2, 1), np.inf)
+        )
         colours = skin.colours(textured, found, self.hits.triangles.colour[textured])
         places = painted.which.copy()
         places[some] = len(painted.colour) + np.arange(len(some))
@@ -144,7 +146,8 @@ class SeenFaces(NamedTuple):
         corners = np.stack([u - float(grid.meridian_u(np.asarray(meridian))), v])
         most = _MOST_STEP / float(grid.ground_m_per_px(np.array(self.place[0]), np.array(meridian), grid.native_zoom))
         most /= grid.world_px(grid.native_zoom)
-        most_steps = np.array([most * float(np.linalg.norm(per)) for per in self.rays[1:3]])
+        pixels = self.rays.changes(row, column, *(way[:, np.newaxis] for way in self.rays.ways[1:]))
+        most_steps = most * np.stack([np.linalg.norm(per, axis=0) for per in pixels])
         return self._interpolated(corners, faces, which, (row, column), most_steps)
 
     def _interpolated(
@@ -162,7 +165,7 @@ class SeenFaces(NamedTuple):
             Place of each pixel's triangle among them.
         pixels : pair of arrays (n,)
             Rows and columns.
-        most_steps : array (2,)
+        most_steps : array (2, 1), or (2, n)
             Greatest changes along columns and rows, for each unit of distance.
         """
         # Edge functions are for the edges from the first, second and third corner: weights of the one opposite.
@@ -173,22 +176,29 @@ class SeenFaces(NamedTuple):
         if uses_numba():
             from .face_kernels import interpolate
 
-            interpolate(forms, which, row, column, self.hits.t, most_steps, found)
+            interpolate(forms, which, row, column, self.rays.points, self.hits.t, most_steps, found)
         else:
-            _interpolate(forms, which, pixels, self.hits.t[row, column], most_steps, found)
+            _interpolate(forms, which, pixels, self.rays, self.hits.t[row, column], most_steps, found)
         return found
 
 
 def _interpolate(
-    forms: Floats, which: Numbers, pixels: tuple[Numbers, Numbers], t: Floats, most_steps: Floats, found: Floats
+    forms: Floats,
+    which: Numbers,
+    pixels: tuple[Numbers, Numbers],
+    rays: PixelRays,
+    t: Floats,
+    most_steps: Floats,
+    found: Floats,
 ) -> None:
     """`face_kernels.interpolate` in numpy."""
-    y, x = (at + 0.5 for at in pixels)
+    x, y = rays.centres(*pixels)
     lines = [[np.take(forms[:, at, term], which) for term in range(3)] for at in range(3)]
     u, v, whole = (constant + x * per_x + y * per_y for constant, per_x, per_y in lines)
     found[:2] = u / whole, v / whole
-    for term, most in enumerate(most_steps.tolist(), 1):
-        step = [(lines[at][term] - found[at] * lines[2][term]) / whole for at in range(2)]
+    changes = [rays.changes(*pixels, per_x, per_y) for _, per_x, per_y in lines]
+    for term, most in enumerate(most_steps):
+        step = [(changes[at][term] - found[at] * changes[2][term]) / whole for at in range(2)]
         length = np.sqrt(step[0] * step[0] + step[1] * step[1])
         share = np.minimum(most * t / np.maximum(length, _TINY), 1.0)
-        found[2 * term : 2 * term + 2] = share * step[0], share * step[1]
+        found[2 * term + 2 : 2 * term + 4] = share * step[0], share * step[1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from ...external.compiling import uses_numba
 from ..ellipsoid import WGS84, sight_lines, trace
 from ..mercator import PixelGrid
 from .paths import Paths, evaluate, fit_paths, interpolate_rays
+from .pixel_rays import PixelRays, end_of_bundles, finer, on_grid
 from .pyramid import Pyramid
 
 if TYPE_CHECKING:
@@ -54,55 +55,6 @@ class Hits(NamedTuple):
     t: Floats
     column: Floats
     row: Floats
-
-
-class PixelRays(NamedTuple):
-    """Rays of an image: ``origin + x·per_x + y·per_y`` at x, y px from its upper left corner, y down."""
-
-    origin: Floats
-    per_x: Floats
-    per_y: Floats
-    width: int
-    height: int
-
-    def directions(self, x_px: Floats, y_px: Floats) -> Floats:
-        """Rays (n, 3) of image points (n,)."""
-        parts = [o + x_px * per_x + y_px * per_y for o, per_x, per_y in zip(*self[:3])]
-        rays: Floats = np.stack(parts).T
-        return rays
-
-    def rows(self, top: int, bottom: int) -> PixelRays:
-        """Rays of some rows of pixels, as an image."""
-        return self._replace(origin=self.origin + top * self.per_y, height=bottom - top)
-
-    def forms(self, paths: Paths) -> list[Floats]:
-        """Coefficients of paths as polynomials in x and y: for tᵏ an array (c, k + 1, k + 1), by powers of y and x."""
-        found = []
-        for degree in range(1, paths.degree + 1):
-            x, y = (np.linspace(0.0, side, degree + 1) for side in (self.width, self.height))
-            across, down = np.meshgrid(x, y)
-            values = paths.coefficients(self.directions(across.ravel(), down.ravel()))[degree - 1]
-            grid = values.reshape(-1, degree + 1, degree + 1)
-            inverse_x, inverse_y = (_inverse_powers(side, degree) for side in (self.width, self.height))
-            found.append(inverse_y @ grid @ inverse_x.T)
-        return found
-
-
-@cache
-def _inverse_powers(side: int, degree: int) -> Floats:
-    """Matrix that makes polynomials from their values at ``degree + 1`` points from 0 to a side."""
-    inverse: Floats = np.linalg.inv(np.vander(np.linspace(0.0, side, degree + 1), increasing=True))
-    return inverse
-
-
-def _on_grid(forms: list[Floats], x_px: Floats, y_px: Floats) -> Floats:
-    """Coefficients (degree, c, rows, columns) at all x and y, from `PixelRays.forms`."""
-    return np.stack(
-        [
-            np.vander(y_px, len(form[0]), increasing=True) @ form @ np.vander(x_px, len(form[0]), increasing=True).T
-            for form in forms
-        ]
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -338,8 +290,7 @@ class Surface:
         off_px : float
             Bound of the paths' error, in pixels of the image.
         """
-        x, y = np.meshgrid(*(np.linspace(0.0, side, 81) for side in (rays.width, rays.height)))
-        directions = rays.directions(x.ravel(), y.ravel())
+        directions, shape = rays.spread(81), (81, 81)
         away = min(self.away_m(lat_deg, lon_deg, height_m), reach_m)
         with np.errstate(divide="ignore"):
             down = np.where(directions[:, 2] < 0.0, (height_m - self.lowest_m) / -directions[:, 2], np.inf)
@@ -347,13 +298,12 @@ class Surface:
         farthest = 1.05 * np.minimum(down, away / np.maximum(np.hypot(*directions[:, :2].T), _SLOWEST))
         reach = float(farthest.max())
         # Fit 6 x 6 rays and the longest in each column, which reach the lowest ground and the edge at once.
-        fitted = np.zeros(x.shape, bool)
+        fitted = np.zeros(shape, bool)
         fitted[::16, ::16] = True
-        fitted[farthest.reshape(x.shape).argmax(axis=0)[::16], np.arange(0, 81, 16)] = True
+        fitted[farthest.reshape(shape).argmax(axis=0)[::16], np.arange(0, 81, 16)] = True
         directions, farthest = directions[fitted.ravel()], farthest[fitted.ravel()]
-        pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         cell = float(self.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), self.zoom))
-        tolerances = tolerance_px * pixel / np.array([cell, cell, 1.0]) / 3.0
+        tolerances = tolerance_px * rays.pixel / np.array([cell, cell, 1.0]) / 3.0
 
         def coordinates(lat: Floats, dlon: Floats, height: Floats) -> Floats:
             return np.stack([*self.position(lat, lon_deg + dlon), height], axis=1)
@@ -402,7 +352,7 @@ class Surface:
         """
         forms, (after, until) = rays.forms(paths), spans
         farthest = float(np.max(until, where=np.isfinite(after), initial=0.0))
-        close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
+        close = tolerance_px * rays.pixel
         if uses_numba():
             return self._compiled_hits(paths.start, forms, rays, spans, farthest, close, begins)
         hits = self._bundled_hits(paths.start, forms, rays, after, farthest, close)
@@ -426,7 +376,7 @@ class Surface:
     ) -> Hits:
         from . import kernels
 
-        corners = _on_grid(forms, *(np.array([0.0, side]) for side in (rays.width, rays.height)))
+        corners = on_grid(forms, *(np.array([0.0, side]) for side in rays.plane_px))
         most = np.abs(corners).max(axis=(2, 3))[..., np.newaxis]
         (longest,) = self._longest(start, most, farthest, _CHORD_SHARE * close)
         found = np.full((3, rays.height, rays.width), np.nan)
@@ -435,6 +385,7 @@ class Surface:
             *self._blocks,
             start,
             _padded(forms),
+            rays.points,
             longest,
             spans,
             farthest,
@@ -448,28 +399,17 @@ class Surface:
     def _bundled_hits(
         self, start: Floats, forms: list[Floats], rays: PixelRays, after: Floats, farthest: float, close: float
     ) -> Hits:
-        least, finer = [after], 1
+        least, smaller = [after], 1
         for side in _BUNDLES_PX[::-1]:
-            least.append(_least(least[-1], side // finer))
-            finer = side
+            least.append(end_of_bundles(least[-1], side // smaller))
+            smaller = side
         t, larger = least.pop(), _BUNDLES_PX[0]
         for side in _BUNDLES_PX:
-            x, y = (_edges(length, side) for length in (rays.width, rays.height))
-            middle = _on_grid(forms, (x[:-1] + x[1:]) / 2.0, (y[:-1] + y[1:]) / 2.0)
-            corners = _on_grid(forms, x, y)
-            spread = np.max(
-                [
-                    np.abs(corner - middle)
-                    for corner in (
-                        corners[..., :-1, :-1], corners[..., :-1, 1:], corners[..., 1:, :-1], corners[..., 1:, 1:]
-                    )
-                ],
-                axis=0,
-            )  # fmt: skip
+            middle, spread = rays.bundles(forms, side)
             # 0.1 % more for rays between the corners of a bundle.
             spread = 1.001 * np.stack([spread[:, :2].max(axis=1), spread[:, 2]], axis=1)
             flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
-            begin = t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
+            begin = t if side == larger else np.maximum(least.pop(), finer(t, middle.shape[2:], larger // side))
             clear, may_hit = self.clear(
                 start, middle.reshape(flat), begin.ravel(), np.full(begin.size, farthest), spread.reshape(pairs)
             )
@@ -484,7 +424,7 @@ class Surface:
         """Record hits of the rays that are below the surface at the t from which hits count."""
         row, column = np.nonzero(np.isfinite(after) & np.isnan(hits.t))
         t = after[row, column]
-        at_column, at_row, height = paths.evaluate(rays.directions(column + 0.5, row + 0.5), t)
+        at_column, at_row, height = paths.evaluate(rays.through(row, column), t)
         with np.errstate(invalid="ignore"):
             below = self.heights(at_column, at_row) >= height
         for whole, part in zip(hits, (t, at_column, at_row)):
@@ -532,20 +472,18 @@ class Surface:
         after, t, falls, reach = bundles
         side = _BUNDLES_PX[-1]
         found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
-        x_px = np.arange(rays.width) + 0.5
         for top in range(0, rays.height, _STRIPE_PX):
             bottom = min(top + _STRIPE_PX, rays.height)
             part = slice(top // side, -(-bottom // side))
             if not np.isfinite(t[part]).any():
                 continue
-            y_px = np.arange(top, bottom) + 0.5
-            coefficients = _on_grid(forms, x_px, y_px)
+            coefficients = rays.coefficients(forms, top, bottom)
             shape = coefficients.shape[2:]
             coefficients = coefficients.reshape(len(forms), 3, -1)
             # Newton's method may use 5 % of the error allowed.
             within = 0.05 * close * falls[part]
-            guess = self._guessed(start, forms, (x_px, y_px), (t[part], within))
-            first, within, until = (_finer(one, shape, side).ravel() for one in (t[part], within, reach[part]))
+            guess = self._guessed(start, forms, rays.middles(forms, top, bottom, side), (t[part], within), shape)
+            first, within, until = (finer(one, shape, side).ravel() for one in (t[part], within, reach[part]))
             first = np.maximum(first, after[top:bottom].ravel())
             rest = np.isfinite(first)
             some = np.flatnonzero(rest & (within > 0.0))
@@ -573,15 +511,14 @@ class Surface:
         self,
         start: Floats,
         forms: list[Floats],
-        px: tuple[Floats, Floats],
+        middles: tuple[Floats, Floats, Floats],
         bundles: tuple[Floats, Floats],
+        shape: tuple[int, ...],
     ) -> Floats:
         """Values of t where rays at x and y hit the ground's tangent plane at the hit of their bundle's middle ray."""
-        t, within = bundles
-        side, shape = _BUNDLES_PX[-1], (len(px[1]), len(px[0]))
-        middles = [np.minimum(at[::side] + (side - 1) / 2.0, at[-1]) for at in px]
+        (coefficients, off_x, off_y), (t, within) = middles, bundles
         some = np.flatnonzero(np.isfinite(t) & (within > 0.0))
-        coefficients = _on_grid(forms, *middles).reshape(len(forms), 3, -1).take(some, axis=2)
+        coefficients = coefficients.take(some, axis=2)
         met = self._newton(start, coefficients, t.ravel()[some], within.ravel()[some])
         with np.errstate(invalid="ignore"):
             across, down = self.slopes(met.column, met.row)
@@ -590,9 +527,8 @@ class Surface:
         facing, *turns = (rise[2] - across * rise[0] - down * rise[1] for rise in rises)
         values = np.full((3, t.size), np.nan)
         values[:, some] = met.t, turns[0] / facing, turns[1] / facing
-        met_t, by_x, by_y = (_finer(one.reshape(t.shape), shape, side) for one in values)
-        off_x, off_y = (at - middle.repeat(side)[: len(at)] for at, middle in zip(px, middles))
-        guess: Floats = met_t / (1.0 + by_x * off_x + by_y * off_y[:, np.newaxis])
+        met_t, by_x, by_y = (finer(one.reshape(t.shape), shape, _BUNDLES_PX[-1]) for one in values)
+        guess: Floats = met_t / (1.0 + by_x * off_x + by_y * off_y)
         return guess
 
     def _newton(self, start: Floats, coefficients: Floats, t: Floats, within: Floats) -> Hits:
@@ -844,23 +780,6 @@ def _bends(coefficients: Floats, end: Floats | float) -> Floats:
     for power in range(len(coefficients), 1, -1):
         total = total * end + power * (power - 1) * coefficients[power - 1]
     return total
-
-
-def _edges(length: int, side: int) -> Floats:
-    """Edges of bundles along an image's side; the last bundle is cut off."""
-    return np.append(np.arange(0, length, side), length).astype(np.float64)
-
-
-def _finer(values: Floats, shape: tuple[int, ...], step: int) -> Floats:
-    """Repeat the values of larger bundles for the smaller bundles in them."""
-    return values.repeat(step, axis=0).repeat(step, axis=1)[: shape[0], : shape[1]]
-
-
-def _least(values: Floats, side: int) -> Floats:
-    """Least value in each bundle of pixels."""
-    rows, columns = (np.arange(0, length, side) for length in values.shape)
-    least: Floats = np.minimum.reduceat(np.minimum.reduceat(values, rows, axis=0), columns, axis=1)
-    return least
 
 
 def _polynomial(factors: Floats, t: Floats) -> Floats:

@@ -22,9 +22,10 @@ from ..triangles import NO_FACES, RELIEF, FaceModel, Triangles
 from ..view import ImageRays, View, joined
 from .faces import FaceHits, face_hits
 from .paths import Paths
+from .pixel_rays import PixelRays
 from .seen import STEEP, Seen
 from .seen_faces import Painted, SeenFaces
-from .surface import PixelRays, Surface
+from .surface import Surface
 
 #: Most cells of a ring; those of images of many pixels end sooner, and have larger cells.
 MOST_CELLS = 1 << 22
@@ -188,8 +189,7 @@ class Tracing:
     @cached_property
     def rays(self) -> PixelRays:
         """Rays of the image, or of its rows."""
-        rays = ImageRays.from_scene(self.scene)
-        whole = PixelRays(rays.origin, rays.per_x, rays.per_y, *self.scene.one_size_px)
+        whole = PixelRays.of_image(ImageRays.from_scene(self.scene))
         return whole if self.rows is None else whole.rows(*self.rows)
 
     @cached_property
@@ -197,10 +197,7 @@ class Tracing:
         """Height of level ground that equals the relief within half the tolerance at every pixel; None if none does."""
         if self._face_hits is not None:
             return None
-        rays = self.rays
-        x, y = (at.ravel() for at in np.meshgrid((0.0, float(rays.width)), (0.0, float(rays.height))))
-        pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
-        pixel /= float((rays.directions(x, y) ** 2).sum(axis=1).max())
+        pixel = self.rays.pixel / float((self._reach[0] ** 2).sum(axis=1).max())
         low, high = np.inf, -np.inf
         for surface, *_ in self.rings():
             if surface.has_holes:
@@ -224,13 +221,12 @@ class Tracing:
     def _near_faces(self) -> Iterator[Triangles]:
         """Faces that may be seen, from near to far; those smaller than half a pixel are left out."""
         (lat, lon), last_m = self.place, float(self._reach[2].max())
-        pixel = min(float(np.linalg.norm(per)) for per in (self.rays.per_x, self.rays.per_y))
         begin_m, end_m = 0.0, _FIRST_HEIGHTS * max(self.height_m - self.lowest_m, 100.0)
         while begin_m < last_m:
             end_m = end_m if end_m < last_m else np.inf
             at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), self._points(begin_m, end_m))
             away_m = begin_m or self._least_above_m(end_m)
-            found = self.faces.triangles(at_lat, lon + dlon, _LEAST_PX * pixel * away_m)
+            found = self.faces.triangles(at_lat, lon + dlon, _LEAST_PX * self.rays.pixel * away_m)
             if begin_m > 0.0:
                 # What lies nearer has been asked for before.
                 offsets = found.corners_m - geocentric(lat, lon, self.height_m)
@@ -307,11 +303,7 @@ class Tracing:
     @cached_property
     def _ways(self) -> tuple[Floats, Floats]:
         """Level and upward components of the pixels' rays, (height, width) each."""
-        x, y = np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5
-        east, north, up = (
-            origin + x * per_x + y[:, np.newaxis] * per_y
-            for origin, per_x, per_y in zip(self.rays.origin, self.rays.per_x, self.rays.per_y)
-        )
+        east, north, up = self.rays.components()
         return np.maximum(np.hypot(east, north), _LEAST), up
 
     def _drop_from_beneath(self, before: Surface, seen: Seen, paths: Paths, after: Floats) -> None:
@@ -321,9 +313,9 @@ class Tracing:
         if not len(row):
             return
         t = hits.t[row, column]
-        at_column, at_row, height = paths.evaluate(seen.rays.directions(column + 0.5, row + 0.5), t)
+        at_column, at_row, height = paths.evaluate(seen.rays.through(row, column), t)
         ground = before.heights(*before.position(*seen.surface.places(at_column, at_row)))
-        allowed = self.tolerance_px * min(float(np.linalg.norm(per)) for per in self.rays[1:3]) * t
+        allowed = self.tolerance_px * self.rays.pixel * t
         beneath = ~(height >= ground - allowed)
         for values in hits:
             values[row[beneath], column[beneath]] = np.nan
@@ -331,8 +323,7 @@ class Tracing:
     @cached_property
     def _reach(self) -> tuple[Floats, Floats, Floats]:
         """Rays (n, 3) all over the image, their level components, and how far they are followed, in level metres."""
-        x, y = np.meshgrid(*(np.linspace(0.0, side, 9) for side in (self.rays.width, self.rays.height)))
-        directions = self.rays.directions(x.ravel(), y.ravel())
+        directions = self.rays.outlook()
         level = np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
         ground = WGS84.raised(self.lowest_m)
         lat, above_m = self.place[0], self.height_m - self.lowest_m
@@ -383,7 +374,7 @@ class Tracing:
         finest_m = least_m = _SLACK * self.relief.cell_m(*self.place)
         while self._area_m2(begin_m, 2.0 * begin_m) > MOST_CELLS * least_m**2:
             least_m *= 2.0
-        pixel = min(float(np.linalg.norm(per)) for per in (self.rays.per_x, self.rays.per_y))
+        pixel = self.rays.pixel
         most_px = _MOST_PX if begin_m > 0.0 else 1.0
         # From as far above the ground as it may be, until its heights are known.
         above_m, cell_m = self.height_m - self.lowest_m, np.inf
@@ -429,7 +420,7 @@ class Tracing:
             disc, half = clearance(
                 np.array(self.place[0]),
                 np.array(self.height_m - self.lowest_m),
-                self.rays.directions(column + 0.5, row + 0.5),
+                self.rays.through(row, column),
                 WGS84.raised(self.lowest_m),
             )
             sky[row, column] = (disc < 0.0) | (half >= 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from terrainav.core.external import compiling
 from terrainav.core.geodesy.local import enu_axes, geocentric
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.faces import face_hits
-from terrainav.core.geodesy.raytracing.surface import PixelRays
+from terrainav.core.geodesy.raytracing.pixel_rays import PixelRays
 from terrainav.core.geodesy.triangles import NO_FACES, RELIEF, ROOF, WALL, Triangles
 
 from tests.core.geodesy.boxes import LAT, LON, Boxes, tracing_of
@@ -114,7 +115,7 @@ def test_no_ray_passes_between_triangles_that_share_an_edge(seed, is_compiled):
     corners = np.concatenate([np.stack(one, axis=2).reshape(-1, 3, 3) for one in ((a, b, c), (a, c, d))])
     turn = enu_axes(*rng.uniform(-80, 80, 2))
     with code(is_compiled):
-        found = face_hits(plain(corners @ turn), np.zeros(3), turn, SMALL._replace(per_x=SMALL.per_x / 8, width=64))
+        found = face_hits(plain(corners @ turn), np.zeros(3), turn, replace(SMALL, per_x=SMALL.per_x / 8, width=64))
     assert np.isfinite(found.t).all()
 
 
@@ -143,7 +144,7 @@ def corners_px(made, points_m):
     """Image points (..., 2) of geocentric points: by the pinhole's formula."""
     place = *made.place, made.height_m
     enu = (points_m - geocentric(*place)) @ enu_axes(*place[:2]).T
-    x, y, depth = np.moveaxis(enu @ np.linalg.inv(np.stack(made.rays[:3])), -1, 0)[[1, 2, 0]]
+    x, y, depth = np.moveaxis(enu @ np.linalg.inv(made.rays.ways), -1, 0)[[1, 2, 0]]
     return np.stack([x / depth, y / depth], axis=-1), depth
 
 
@@ -358,7 +359,7 @@ def test_faces_30_km_away_are_where_the_earths_curve_puts_them():
 def test_buildings_smaller_than_half_a_pixel_are_not_asked_for(town):
     made = over(town, 85.0)
     assert made._face_hits is not None
-    pixel = min(float(np.linalg.norm(per)) for per in made.rays[1:3])
+    pixel = made.rays.pixel
     # Nothing is nearer than the ground below, the town's included.
     highest = max(ring.surface.highest_m for ring in made.rings())
     assert town.asked[0] == pytest.approx(0.5 * pixel * (made.height_m - highest))

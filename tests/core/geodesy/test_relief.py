@@ -10,7 +10,8 @@ from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.geodesy.raytracing.paths import Paths, evaluate, fit_paths
-from terrainav.core.geodesy.raytracing.surface import PixelRays, Surface
+from terrainav.core.geodesy.raytracing.pixel_rays import PixelRays
+from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.geodesy.raytracing.tracing import Tracing
 
 from tests.support.thinning import sampled
