@@ -46,6 +46,7 @@ UNITS = {
     "m": Unit(Message("m"), Message("metres"), " m", 6),
     "deg": Unit(Message("deg"), Message("degrees"), " °", 6),
     "px": Unit(Message("px"), Message("px"), " px", 12),
+    "km": Unit(Message("km"), Message("kilometres"), " km", 3),
     "m/s": Unit(Message("m/s"), Message("metres per second"), " m/s", 3),
     "s": Unit(Message("s"), Message("seconds"), " s", 3),
     "ms": Unit(Message("ms"), Message("milliseconds"), " ms", 3),
@@ -56,5 +57,7 @@ UNITS = {
     "DN": Unit(Message("DN"), Message("digital numbers"), " DN", 1),
     "DN/e": Unit(Message("DN/e-"), Message("digital numbers per electron"), " DN/e⁻", 4),
     "min": Unit(Message("min"), Message("minutes"), " min", 1),
+    "lx": Unit(Message("lx"), Message("lux"), " lx", 1),
+    "K": Unit(Message("K"), Message("kelvins"), " K", 0),
     "share": Unit(Message("%"), Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0),
 }

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geodesy.mercator import wrap_lon_deg
-from ..picture.optics import Exposure
+from ..picture.optics import CameraSettings, Exposure
 from .tiff import HEADER_BYTES, Tag, TagType, directory, header, rational
 
 #: Program, and maker of the simulated camera; readers turn the angles of cameras from some other makers.
@@ -227,12 +227,31 @@ def _exposure(exposure: Exposure) -> list[Tag]:
         Tag(41487, TagType.RATIONAL, focal.y_px_per_cm),
         Tag(41488, TagType.SHORT, [3]),  # resolution unit: cm
     ]
+    tags += _settings(exposure.settings)
     if exposure.taken is not None:
         tags += [
             Tag(36867, TagType.ASCII, f"{_date(exposure.taken)} {exposure.taken:%H:%M:%S}"),
             Tag(36881, TagType.ASCII, "+00:00"),
             Tag(37521, TagType.ASCII, f"{exposure.taken.microsecond:06d}"),
         ]
+    return tags
+
+
+def _settings(settings: CameraSettings) -> list[Tag]:
+    """Tags of the settings of the camera that are stated."""
+    tags = []
+    if settings.exposure_ms is not None:
+        tags.append(Tag(33434, TagType.RATIONAL, rational(settings.exposure_ms / 1000.0)))
+        tags.append(Tag(41986, TagType.SHORT, [int(not settings.is_automatic)]))  # ExposureMode
+    if settings.f_number is not None:
+        tags.append(Tag(33437, TagType.RATIONAL, rational(settings.f_number)))
+    if settings.iso is not None:
+        speed = max(round(settings.iso), 1)
+        tags.append(Tag(34855, TagType.SHORT, [min(speed, (1 << 16) - 1)]))  # PhotographicSensitivity
+        tags.append(Tag(34864, TagType.SHORT, [3]))  # SensitivityType: ISO speed
+        tags.append(Tag(34867, TagType.LONG, [speed]))  # ISOSpeed
+    if settings.white_balance_k is not None:
+        tags.append(Tag(41987, TagType.SHORT, [1]))  # WhiteBalance: manual
     return tags
 
 

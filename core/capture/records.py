@@ -25,7 +25,7 @@ from ..mission.parts import CLASSES, INTERPOLATE, LABELLED, RAW
 from ..mission.plan import Plan
 from ..picture.effects import Development, Facts
 from ..picture.map_frame import resized
-from ..picture.optics import Exposures, plan_optics
+from ..picture.optics import CameraSettings, Exposures, plan_optics
 from ..picture.scene import RawValues
 from ..picture.shot import MapShot, Shot, draw, make_shot
 from ..storage.files import write_whole
@@ -108,6 +108,9 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     if facts:
         stated = tuple((name.upper(), stated_fact(value)) for name, value in facts)
         description = replace(description, more=(*description.more, *stated))
+        if description.exposure is not None:
+            exposure = replace(description.exposure, settings=CameraSettings.of_facts(dict(facts)))
+            description = replace(description, exposure=exposure)
     picture = resized(picture, job.img_size, job.bands)
     if job.products is not None:
         from ..picture.products import BANDS, products

@@ -20,13 +20,18 @@ from .flight.wind import Wind
 from .imageries import NamedImagery
 from .parts import (
     BY_DISTANCE,
+    BY_ISO,
     BY_WAYPOINT,
     FLAT_PARTS,
     LABELLED,
+    MANUAL,
     PAPER,
     RAW,
     Accuracy,
+    Air,
     Attitude,
+    CameraOptics,
+    ExposureControl,
     Flight,
     Imagery,
     ImageSensor,
@@ -98,6 +103,9 @@ class Mission:
     terrain: Terrain
     route: Route
     labels: PixelLabels
+    air: Air
+    optics: CameraOptics
+    exposure: ExposureControl
     shutter: Shutter
     sensor: ImageSensor
     varied: Varied
@@ -137,6 +145,14 @@ class Mission:
             )
         if RAW in parts["output"].products:
             _check_raw(parts["sensor"], parts["output"])
+        exposure = parts["exposure"].exposure
+        if exposure in (MANUAL, BY_ISO) and parts["route"].exposure_ms is None:
+            raise InvalidInput(
+                "exposure {0}: needs an exposure time",
+                exposure,
+                field="exposure",
+                remedy=Message("give it{0}", OptionName("exposure_ms").in_brackets),
+            )
         if parts["wind"] is not None:
             parts["wind"].checked(parts["flight"].airspeed_m_per_s)
         # Drop duplicates, and accept a list.

@@ -14,21 +14,22 @@ from ..numbers import integer, real_number
 from ..units import LENGTHS_M
 from .parts import (
     AUTO,
+    FLAT_PARTS,
+    REALISM_PARTS,
     Accuracy,
     Attitude,
     Flight,
     Imagery,
-    ImageSensor,
     Output,
     PixelLabels,
     Pixels,
     Route,
-    Shutter,
     Terrain,
-    Varied,
 )
 from .presets import PRESET_NAMES
 
+#: Fields of several values in one text.
+JOINED = ("stretch", "airlight", "vignetting")
 #: Kinds of missions.
 KINDS = ("single", "list", "raster")
 
@@ -80,7 +81,7 @@ class Option:
         """Option that sets a field of a mission."""
         has_no_default = field.needed or field.default == ()
         numbers: dict[str, Callable[[str], Any]] = {"img_size": int, "takeoff": float}
-        metavars = {"img_size": ("W", "H", "C"), "takeoff": ("LAT", "LON")}
+        metavars = {"img_size": ("W", "H", "C"), "takeoff": ("LAT", "LON"), "airlight": ("R", "G", "B")}
         counts = {
             "img_size": (3, 3),
             "map_types": (1, len(field.choices)),
@@ -93,12 +94,14 @@ class Option:
             "vary": (1, MAX_VARIED),
             "products": (1, len(field.choices)),
             "stretch": (1, 2),
+            "airlight": (3, 3),
+            "vignetting": (1, 3),
             "takeoff": (2, 2),
         }
         return cls(
             field.name_of_option,
             numbers.get(field.name) or (str if field.kind in (bool, tuple) else field.kind),
-            (field.default,) if field.name == "stretch" else None if has_no_default else field.default,
+            tuple(field.default.split()) if field.name in JOINED else None if has_no_default else field.default,
             field.help,
             count=counts.get(field.name),
             # Choices of lists are checked by the mission.
@@ -255,7 +258,7 @@ OPTIONS: tuple[Option, ...] = (
     *_fields(Imagery),
     _image_px(),
     *_fields(Pixels, but=("image_px",)),
-    *_fields(Accuracy, Terrain, Route, PixelLabels, Shutter, ImageSensor, Varied, Output),
+    *_fields(Accuracy, Terrain, Route, PixelLabels, *(FLAT_PARTS[part] for part in REALISM_PARTS), Output),
     Option(
         "dataset",
         str,

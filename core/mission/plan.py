@@ -30,6 +30,7 @@ from .layout.rotated import Pass, plane_share, rotated_coverage, rotated_overlap
 from .layout.rows import Layout, sees_below, turns_at_random
 from .methods import ChosenMethods, choose_methods
 from .mission import Mission
+from .parts import BY_TIME, IDEAL
 from .relief.ground import Flown, Heights, Relief, level_ground
 from .resolution import Resolution
 from .views import CameraViews
@@ -378,8 +379,8 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     InvalidInput
         A polygon of the area or of a no-fly area is invalid (`check_rings`). The mission cannot be flown: too many
         captures, an area or pictures beyond Web Mercator, a camera that sees nothing of the Earth, a zoom that the
-        source does not have, pictures under one pixel. No methods fit the error budget, and the mission does not
-        accept to exceed it.
+        source does not have, pictures under one pixel, an exposure longer than the time between two
+        images. No methods fit the error budget, and the mission does not accept to exceed it.
     """
     if mission.imagery.imageries:
         raise InvalidInput(
@@ -418,7 +419,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
             nominal = nominal._replace(agl_m=nominal.agl_m + raised_m)
     height_m = levelled.flight.ground_height_m + poses.agl_m if over_relief is None else over_relief.height_m
     corners = relief.corners(poses, height_m)
-    return Plan(
+    planned = Plan(
         mission=mission,
         grid=grid,
         zoom=flown.zoom,
@@ -438,6 +439,30 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         left_out=flown.left_out,
         in_skipped_rows=flown.in_skipped_rows,
         gusting=gusting,
+    )
+    if mission.exposure.exposure != IDEAL:
+        _check_exposure(planned)
+    return planned
+
+
+def _check_exposure(plan: Plan) -> None:
+    """Raise InvalidInput if the shutter may be open for longer than the time between two images.
+
+    Captures at one place and time are no flight.
+    """
+    exposure, exposure_ms = plan.mission.exposure, plan.mission.route.exposure_ms
+    if exposure.exposure == BY_TIME:
+        exposure_ms = exposure.longest_exposure_ms
+    between_s = np.diff(plan.times_s)
+    between_s = between_s[between_s > 0.0]
+    if exposure_ms is None or not len(between_s) or exposure_ms / 1000.0 <= between_s.min():
+        return
+    raise InvalidInput(
+        "exposure time {0:g} ms: longer than the {1:.4g} ms between two images",
+        exposure_ms,
+        1000.0 * float(between_s.min()),
+        remedy="fly slower, overlap less or shorten the exposure",
+        field="longest_exposure_ms" if exposure.exposure == BY_TIME else "exposure_ms",
     )
 
 

@@ -23,7 +23,7 @@ from .areas.coords import parse_coords
 from .cameras import camera_named
 from .flight.wind import Wind
 from .mission import Mission, flat_fields
-from .options import OPTIONS
+from .options import JOINED, OPTIONS
 from .parts import AUTO, Flight, Pixels
 from .presets import preset_named
 
@@ -176,8 +176,9 @@ def build_mission(values: Mapping[str, Any]) -> Mission:
         fields["image_px"] = camera_px
     for name in ("bands", "imageries", "elevation", "surface", "buildings", "labels", "vary", "products"):
         fields[name] = fields[name] or ()
-    if isinstance(fields["stretch"], tuple):
-        fields["stretch"] = " ".join(fields["stretch"])
+    for name in JOINED:
+        if isinstance(fields[name], tuple):
+            fields[name] = " ".join(fields[name])
     if fields["airspeed_m_per_s"] == AUTO:
         # It is chosen once the mission is planned.
         fields["airspeed_m_per_s"] = Flight.airspeed_m_per_s

@@ -15,6 +15,7 @@ In reading order:
 - `products`: depth, ground points, normals, faces, classes and instances of every pixel
 - `optics`: the camera of a picture: focal length, principal point, time
 - `scene`: a picture's light on its way through a camera
+- `photometry`: haze, vignetting, exposure, white balance and tone
 - `sensor`: the image sensor's part in it
 - `effects`: what a real camera makes of a picture
 - `cost`: processor time of pictures on this machine

@@ -9,11 +9,12 @@ import numpy as np
 
 from ..arrays import PixelValues
 from ..bands import Bands
-from ..camera.light import bytes_of_linear, linear_of_bytes
+from ..camera.light import SRGB, bytes_of_linear, linear_of_bytes
 from ..errors import InvalidInput
 from ..mission.mission import Mission
-from ..mission.parts import NO_BAYER
+from ..mission.parts import IDEAL, NO_BAYER, NO_VIGNETTING
 from ..mission.plan import Plan
+from .photometry import ExposedImage, Haze, ToneCurve, Vignetting, WhiteBalance
 from .scene import Light, PictureScene, RawValues
 from .sensor import SensorReadout
 from .shot import MapShot, Shot
@@ -32,9 +33,15 @@ class Effect(Protocol):
 def effects(mission: Mission) -> tuple[Effect, ...]:
     """Effects that a mission asks for, in the order in which light meets them; none by default."""
     # Air, vignetting, point spread function, exposure, sensor, white balance, tone.
-    made: list[Effect | None] = []
-    if mission.sensor.image_sensor:
-        made.append(SensorReadout.of(mission))
+    air, optics, exposure = mission.air, mission.optics, mission.exposure
+    made: list[Effect | None] = [
+        None if air.visibility_km is None else Haze(air, air.visibility_km),
+        None if optics.vignetting == NO_VIGNETTING else Vignetting(optics),
+        None if exposure.exposure == IDEAL else ExposedImage(exposure, mission.route.exposure_ms or 0.0),
+        SensorReadout.of(mission) if mission.sensor.image_sensor else None,
+        None if exposure.white_balance_k is None else WhiteBalance(exposure.white_balance_k),
+        None if exposure.tone == SRGB else ToneCurve(exposure.tone),
+    ]
     return tuple(one for one in made if one is not None)
 
 
@@ -68,7 +75,7 @@ class Development:
         light = Light(linear_of_bytes(pixels[..., :colours]), scene, {**drawn})
         for effect in chain:
             effect.apply(light)
-        developed = bytes_of_linear(light.values)
+        developed = bytes_of_linear(light.values, light.tone)
         return np.dstack([developed, pixels[..., colours:]]), tuple(light.facts.items()), light.raw
 
 
@@ -86,4 +93,11 @@ def check_bands(mission: Mission, bands: Bands) -> None:
             mission.sensor.bayer,
             bands,
             field="bayer",
+        )
+    if mission.exposure.white_balance_k is not None and len(bands) != 3:
+        raise InvalidInput(
+            "white balance {0:g} K: needs red, green and blue, and the source gives {1}",
+            mission.exposure.white_balance_k,
+            bands,
+            field="white_balance_k",
         )

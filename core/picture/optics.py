@@ -8,8 +8,9 @@ the focal length, so that mm and px give the same field of view.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from functools import lru_cache
 from typing import NamedTuple
@@ -20,7 +21,7 @@ from ..arrays import Floats, NDArray
 from ..geodesy.camera import Camera
 from ..geodesy.frames import in_image, swapped
 from ..mission.cameras import shipped_cameras
-from ..mission.parts import utc_time
+from ..mission.parts import BY_ISO, BY_TIME, utc_time
 from ..mission.plan import Plan
 
 #: Longer side of the sensor of cameras that are known by field of view only: that of 35 mm film.
@@ -122,6 +123,22 @@ def _windows(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats,
     return focal_x, focal_y, plane.nearest_px(u * world_px - left, world_px), v * world_px - top
 
 
+class CameraSettings(NamedTuple):
+    """Settings of a camera for one image; None where they are not stated."""
+
+    exposure_ms: float | None = None
+    f_number: float | None = None
+    iso: float | None = None
+    white_balance_k: float | None = None
+    is_automatic: bool = False
+
+    @classmethod
+    def of_facts(cls, facts: Mapping[str, float | str]) -> CameraSettings:
+        """Settings among what is stated of an image."""
+        stated = {name: float(facts[name]) for name in cls._fields[:-1] if name in facts}
+        return cls(**stated, is_automatic=facts.get("exposure") in (BY_TIME, BY_ISO))
+
+
 @dataclass(frozen=True)
 class Exposure:
     """Camera data for a picture's tags, besides the pose.
@@ -139,6 +156,8 @@ class Exposure:
         As in `Optics.accuracy_m`.
     taken : datetime or None
         In UTC; None beyond the year 9999.
+    settings : CameraSettings
+        Settings of the camera, of what is stated.
     """
 
     body: Body
@@ -148,6 +167,7 @@ class Exposure:
     altitude_m: float
     accuracy_m: tuple[float, float]
     taken: datetime | None
+    settings: CameraSettings = field(default_factory=CameraSettings)
 
 
 class Exposures:

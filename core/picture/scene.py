@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import Floats, NDArray
 from ..bands import Bands
+from ..camera.light import SRGB
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from .optics import planned_optics
@@ -75,6 +76,8 @@ class Light:
     scene : PictureScene
     facts : dict
         What the table and the image's metadata state of the effects, by the name of the column.
+    tone : str
+        Curve by which light becomes the image's values.
     raw : RawValues or None
         What the sensor measured, if there is one.
     """
@@ -82,4 +85,5 @@ class Light:
     values: NDArray[np.float32]
     scene: PictureScene
     facts: dict[str, float | str] = field(default_factory=dict)
+    tone: str = SRGB
     raw: RawValues | None = None

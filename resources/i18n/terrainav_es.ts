@@ -14232,6 +14232,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>exposure {0}: needs an exposure time</source>
+        <translation>exposición {0}: necesita un tiempo de exposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>give it{0}</source>
+        <translation>indíquelo{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>give one{0}</source>
         <translation>indique uno{0}</translation>
     </message>
@@ -14334,6 +14344,181 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/options.py"/>
         <source>{0} {1} {2!r}: takes {3} value{4}</source>
         <translation>{0} {1} {2!r}: lleva {3} valores{4}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/air.py"/>
+        <source>airlight</source>
+        <translation>luz del aire</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/air.py"/>
+        <source>airlight {0!r}: must be red, green and blue from 0 to 255, such as 188 196 204</source>
+        <translation>luz del aire {0!r}: debe ser rojo, verde y azul de 0 a 255, como 188 196 204</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/air.py"/>
+        <source>colour of haze without end, and of the sky: red, green and blue from 0 to 255</source>
+        <translation>color de la bruma sin fin y del cielo: rojo, verde y azul de 0 a 255</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/air.py"/>
+        <source>distance at which 5 percent of the contrast of dark things is left (meteorological optical range): haze by the distance of what each pixel shows; left out, the air is clear</source>
+        <translation>distancia a la que queda el 5 por ciento del contraste de lo oscuro (alcance óptico meteorológico): bruma según la distancia de lo que muestra cada píxel; si se omite, el aire es claro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/air.py"/>
+        <source>visibility</source>
+        <translation>visibilidad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>Automatic ISO</source>
+        <translation>ISO automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>Automatic exposure time</source>
+        <translation>Tiempo de exposición automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>Average</source>
+        <translation>Media</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>Filmic</source>
+        <translation>De película</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>Highlights</source>
+        <translation>Altas luces</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>Ideal (as the imagery)</source>
+        <translation>Ideal (como las imágenes de origen)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>Linear</source>
+        <translation>Lineal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>Manual</source>
+        <translation>Manual</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>brightness of the images: ideal, as the imagery has it; manual, by exposure time, f-number and ISO speed in the light of the scene; time or iso, as a meter sets the exposure time or the ISO speed</source>
+        <translation>brillo de las imágenes: ideal, el de las imágenes de origen; manual, según el tiempo de exposición, el número f y la sensibilidad ISO con la luz de la escena; time o iso, según un exposímetro fije el tiempo de exposición o la sensibilidad ISO</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>colour temperature that the camera takes for white, of a scene in daylight of 6,504 K: lower ones make images blue, higher ones yellow; left out, it suits the scene</source>
+        <translation>temperatura de color que la cámara toma por blanca, con la escena en luz de día de 6504 K: las más bajas vuelven azules las imágenes, las más altas amarillas; si se omite, la de la escena</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>curve from light to values: srgb, that of the imagery; linear, none; filmic, with soft shadows and highlights</source>
+        <translation>curva de la luz a los valores: srgb, la de las imágenes de origen; linear, ninguna; filmic, con sombras y altas luces suaves</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>exposure</source>
+        <translation>exposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>f-number</source>
+        <translation>número f</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>focal length over the diameter of the aperture</source>
+        <translation>distancia focal entre el diámetro de la apertura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>highest sensitivity (ISO)</source>
+        <translation>sensibilidad máxima (ISO)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>illuminance</source>
+        <translation>iluminancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>light that falls on the scene: sunlight has 80,000 lx or more, an overcast sky about 10,000 lx</source>
+        <translation>luz que cae sobre la escena: el sol da 80 000 lx o más, un cielo cubierto unos 10 000 lx</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>limit of the automatic ISO</source>
+        <translation>límite del ISO automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>limit of the automatic exposure time</source>
+        <translation>límite del tiempo de exposición automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>longest exposure time</source>
+        <translation>tiempo de exposición máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>metering</source>
+        <translation>medición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>sRGB</source>
+        <translation>sRGB</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>sensitivity (ISO)</source>
+        <translation>sensibilidad (ISO)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>sensitivity ISO {0:g}: must be at most the highest one, ISO {1:g}</source>
+        <translation>sensibilidad ISO {0:g}: debe ser como mucho la máxima, ISO {1:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>sensitivity of the camera, after ISO 12232: exposures of 78/ISO lux seconds saturate it; with automatic ISO, its lowest</source>
+        <translation>sensibilidad de la cámara, según ISO 12232: la saturan exposiciones de 78/ISO lux segundo; con ISO automático, la mínima</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>shortest exposure time</source>
+        <translation>tiempo de exposición mínimo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>shortest exposure time {0:g} ms: must be at most the longest one, {1:g} ms</source>
+        <translation>tiempo de exposición mínimo {0:g} ms: debe ser como mucho el máximo, {1:g} ms</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>tone curve</source>
+        <translation>curva de tono</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>what automatic exposure meters: average brings the mean of the logarithms of luminance to 18 percent of saturation; highlights lets the brightest percent of the pixels saturate</source>
+        <translation>lo que mide la exposición automática: average lleva la media de los logaritmos de la luminancia al 18 por ciento de la saturación; highlights deja que se sature el uno por ciento más brillante de los píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/exposure.py"/>
+        <source>white balance</source>
+        <translation>balance de blancos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/flown.py"/>
@@ -14832,6 +15017,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/labels.py"/>
         <source>width on the ground of labels that are lines</source>
         <translation>anchura en el terreno de las etiquetas que son líneas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>how light falls off from the middle of the image: none; cos4, by the fourth power of the cosine of the angle to the optical axis; or up to three coefficients a b c of 1 + a r² + b r⁴ + c r⁶, where r is the distance from the principal point, 1 at half the image's diagonal</source>
+        <translation>cómo disminuye la luz desde el centro de la imagen: none, nada; cos4, según la cuarta potencia del coseno del ángulo con el eje óptico; o hasta tres coeficientes a b c de 1 + a r² + b r⁴ + c r⁶, donde r es la distancia al punto principal, 1 a media diagonal de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>vignetting</source>
+        <translation>viñeteo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>vignetting {0!r}: must be none, cos4, or one to three coefficients of r², r⁴ and r⁶</source>
+        <translation>viñeteo {0!r}: debe ser none, cos4 o de uno a tres coeficientes de r², r⁴ y r⁶</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>vignetting {0!r}: must leave light up to the corner; {1:.3g} of it is left at r = {2:.3g}</source>
+        <translation>viñeteo {0!r}: debe dejar luz hasta la esquina; en r = {2:.3g} queda {1:.3g}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/pictures.py"/>
@@ -15726,8 +15931,18 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
+        <source>exposure time {0:g} ms: longer than the {1:.4g} ms between two images</source>
+        <translation>tiempo de exposición {0:g} ms: más largo que los {1:.4g} ms entre dos imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
         <source>fly higher or in less turbulence</source>
         <translation>vuele más alto o con menos turbulencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>fly slower, overlap less or shorten the exposure</source>
+        <translation>vuele más despacio, solape menos o acorte la exposición</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -16025,6 +16240,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/picture/effects.py"/>
         <source>effects of a real camera: need grey, or red, green and blue of 8 bits, and the source gives {0}</source>
         <translation>efectos de una cámara real: necesitan gris, o rojo, verde y azul de 8 bits, y la fuente da {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/effects.py"/>
+        <source>white balance {0:g} K: needs red, green and blue, and the source gives {1}</source>
+        <translation>balance de blancos {0:g} K: necesita rojo, verde y azul, y la fuente da {1}</translation>
     </message>
     <message>
         <location filename="../../core/picture/heights.py"/>
@@ -17237,6 +17457,31 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/units.py"/>
         <source>electrons per second</source>
         <translation>electrones por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>kelvins</source>
+        <translation>kelvin</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>kilometres</source>
+        <translation>kilómetros</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>km</source>
+        <translation>km</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>lux</source>
+        <translation>lux</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>lx</source>
+        <translation>lx</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from qgis.core import QgsApplication, QgsProcessingParameterDefinition
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox
@@ -70,8 +72,11 @@ def test_numbers_that_may_be_left_out_are_entered_as_such(desk):
         entry = entries[name]
         assert getattr(desk.session.state(), name) is entry.number() is None
         assert entry.text() == "not set"
-        entry.setValue(700)
-        assert getattr(desk.session.state(), name) == 700
+        field = ENTERED_AS_DECLARED[name]
+        value = min(max(700.0, field.least or 0.0), field.most or math.inf)
+        # As typed: percent of a share.
+        entry.setValue(field.unit.times * value)
+        assert getattr(desk.session.state(), name) == value
         entry.setValue(entry.minimum())
         assert getattr(desk.session.state(), name) is None
 

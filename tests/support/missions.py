@@ -102,6 +102,10 @@ _OTHERS = {
     "split_after": "120,340",
     "exposure_ms": 2.5,
     "image_sensor": "Allied Vision Alvium 1800 C-507m",
+    "exposure": "time",
+    "shortest_exposure_ms": 0.5,
+    "vignetting": "-0.2 0.05",
+    "airlight": "200 210 220",
 }
 #: Fields that others require.
 _NEEDED = {

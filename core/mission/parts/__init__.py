@@ -6,6 +6,9 @@ In reading order:
 - `terrain`: relief and buildings
 - `pictures`: imagery, pixels, accuracy and files
 - `labels`: labels of pixels
+- `air`: haze
+- `optics`: vignetting
+- `exposure`: exposure, white balance and tone
 - `shutter`: motion blur and rolling shutter
 - `sensor`: pixels, noise and converter of the image sensor
 - `varied`: random values of images
@@ -14,6 +17,8 @@ In reading order:
 from __future__ import annotations
 
 from ...fields import CheckedFields
+from .air import Air
+from .exposure import BY_ISO, BY_TIME, IDEAL, MANUAL, ExposureControl
 from .flown import (
     ALIGNMENTS,
     BY_DISTANCE,
@@ -40,6 +45,7 @@ from .flown import (
     utc_time,
 )
 from .labels import PixelLabels
+from .optics import COS4, NO_VIGNETTING, CameraOptics
 from .pictures import (
     AUTO,
     CLASSES,
@@ -71,9 +77,12 @@ __all__ = [
     "ALIGNMENTS",
     "AUTO",
     "BY_DISTANCE",
+    "BY_ISO",
+    "BY_TIME",
     "BY_WAYPOINT",
     "CLASSES",
     "COMPASS_CORNERS",
+    "COS4",
     "COVER",
     "DJI_FLY",
     "EASTWARD_DEG",
@@ -85,15 +94,18 @@ __all__ = [
     "HIGHEST_AGL_M",
     "HIGHEST_GROUND_M",
     "HOVER",
+    "IDEAL",
     "INSTANCES",
     "INTERPOLATE",
     "LABELLED",
     "LONGEST_SIDE",
     "LOWEST_GROUND_M",
+    "MANUAL",
     "MOST_SORTIES",
     "NEAREST",
     "NORTH",
     "NO_BAYER",
+    "NO_VIGNETTING",
     "ONE_WAY",
     "PAPER",
     "RAW",
@@ -105,7 +117,10 @@ __all__ = [
     "TAKEOFF",
     "TRACK",
     "Accuracy",
+    "Air",
     "Attitude",
+    "CameraOptics",
+    "ExposureControl",
     "Flight",
     "ImageSensor",
     "Imagery",
@@ -129,6 +144,9 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "terrain": Terrain,
     "route": Route,
     "labels": PixelLabels,
+    "air": Air,
+    "optics": CameraOptics,
+    "exposure": ExposureControl,
     "shutter": Shutter,
     "sensor": ImageSensor,
     "varied": Varied,
@@ -136,4 +154,4 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
 }
 
 #: Parts of a real camera's effects, in the order in which light meets them; with their defaults a camera is ideal.
-REALISM_PARTS: tuple[str, ...] = ("shutter", "sensor", "varied")
+REALISM_PARTS: tuple[str, ...] = ("air", "optics", "exposure", "shutter", "sensor", "varied")

@@ -60,6 +60,9 @@ OTHERS = {
     "image_px": [200, 150],
     "skip_rows": "1",
     "split_after": "2",
+    "exposure": "time",
+    "vignetting": "cos4",
+    "airlight": "200 210 220",
     "image_sensor": "custom",
 }
 FIELDS = [(part, one) for part, kind in FLAT_PARTS.items() for one in declared_fields(kind)]

@@ -97,6 +97,27 @@ def _no_limit(case: Case) -> None:
     case.follow("its exposure time (--exposure-ms)", lambda: chosen(exposure_ms=1.0))
 
 
+@remedy("mission/mission.py", "exposure {}: needs an exposure time; give it (--exposure-ms)")
+def _no_exposure_time(case: Case) -> None:
+    case.refused(lambda: FIELD.replace(exposure="manual"))
+    case.follow("give it (--exposure-ms)", lambda: FIELD.replace(exposure="manual", exposure_ms=1.0))
+
+
+@remedy(
+    "mission/plan.py",
+    "exposure time {} ms: longer than the {} ms between two images; fly slower, overlap less or shorten the exposure",
+)
+def _long_exposure(case: Case) -> None:
+    def made(**changes):
+        asked = {"exposure": "manual", "exposure_ms": 1_000.0, "overlap_along": 0.9, "airspeed_m_per_s": 20.0}
+        return plan(FIELD.replace(**{**asked, **changes}), PixelGrid())
+
+    case.refused(made)
+    case.follow("fly slower", lambda: made(airspeed_m_per_s=2.0))
+    case.follow("overlap less", lambda: made(overlap_along=0.0))
+    case.follow("shorten the exposure", lambda: made(exposure_ms=5.0))
+
+
 @remedy("mission/flight/pilot.py", "airspeed auto: no speed is slow enough for the camera; overlap less or fly higher")
 def _no_speed(case: Case) -> None:
     def chosen(**changes):

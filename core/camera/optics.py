@@ -1,0 +1,46 @@
+"""What the optics of a camera do to light on its way to the image."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..arrays import Floats, NDArray
+
+
+def cos4_falloff(right: Floats, down: Floats) -> NDArray[np.float32]:
+    """Share (h, w) of the light by the fourth power of the cosine of the angle to the optical axis.
+
+    Parameters
+    ----------
+    right, down : array
+        Tangents of the angles between the axis and the pixels' rays, which broadcast to (h, w).
+    """
+    squared: Floats = 1.0 + right * right + down * down
+    return (1.0 / (squared * squared)).astype(np.float32)
+
+
+def radial_falloff(right: Floats, down: Floats, terms: Sequence[float]) -> NDArray[np.float32]:
+    """Share (h, w) of the light by a polynomial 1 + a r² + b r⁴ + c r⁶; 0 where that is less.
+
+    Parameters
+    ----------
+    right, down : array
+        Distances from the principal point as shares of half the image's diagonal, which broadcast to (h, w).
+    terms : sequence of float
+        The coefficients a, b, c, of which the last ones may be left out.
+    """
+    squared = right * right + down * down
+    share = np.zeros_like(squared)
+    for term in reversed(terms):
+        share += term
+        share *= squared
+    return np.maximum(share + 1.0, 0.0).astype(np.float32)
+
+
+def dim(light: NDArray[np.float32], share: NDArray[np.float32]) -> None:
+    """Multiply light (h, w, channels), in place, by the share (h, w) of it that arrives."""
+    # Channel by channel: broadcasting a last axis of 3 is slower.
+    for channel in range(light.shape[2]):
+        light[..., channel] *= share

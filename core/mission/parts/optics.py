@@ -1,0 +1,69 @@
+"""The part of a mission that says how a camera's lens and pixels gather light."""
+
+from __future__ import annotations
+
+import math
+import re
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from ...errors import InvalidInput
+from ...fields import CheckedFields, declared
+from ...numbers import NUMBER, real_number
+
+#: No vignetting, and that of the cosine's fourth power.
+NO_VIGNETTING, COS4 = "none", "cos4"
+#: A keyword, or up to three coefficients.
+_VIGNETTING = f"{NO_VIGNETTING}|{COS4}|{NUMBER}( {NUMBER}){{0,2}}"
+
+
+def _check_vignetting(text: str) -> None:
+    if not re.fullmatch(_VIGNETTING, text):
+        raise InvalidInput(
+            "vignetting {0!r}: must be none, cos4, or one to three coefficients of r², r⁴ and r⁶",
+            text,
+            field="vignetting",
+        )
+    if text in (NO_VIGNETTING, COS4):
+        return
+    terms = tuple(map(float, text.split()))
+    steps = [step / 1000.0 for step in range(1001)]
+    shares = [1.0 + sum(term * r ** (2 * power) for power, term in enumerate(terms, 1)) for r in steps]
+    least = min(shares)
+    if not all(map(math.isfinite, shares)) or least < 0.0:
+        raise InvalidInput(
+            "vignetting {0!r}: must leave light up to the corner; {1:.3g} of it is left at r = {2:.3g}",
+            text,
+            least,
+            steps[shares.index(least)],
+            field="vignetting",
+        )
+
+
+@dataclass(frozen=True)
+class CameraOptics(CheckedFields):
+    """Vignetting."""
+
+    vignetting: str = declared(
+        NO_VIGNETTING,
+        title="vignetting",
+        help="how light falls off from the middle of the image: none; cos4, by the fourth power of the cosine of the "
+        "angle to the optical axis; or up to three coefficients a b c of 1 + a r² + b r⁴ + c r⁶, where r is the "
+        "distance from the principal point, 1 at half the image's diagonal",
+        check=_check_vignetting,
+        schema={"pattern": f"^({_VIGNETTING})$"},
+        advanced=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Check every field; store equal coefficients as equal texts."""
+        given: Any = self.vignetting
+        with suppress(ValueError, AttributeError):
+            object.__setattr__(self, "vignetting", " ".join(f"{real_number(one):.15g}" for one in given.split()))
+        super().__post_init__()
+
+    @property
+    def falloff_terms(self) -> tuple[float, ...]:
+        """Coefficients of r², r⁴ and r⁶; empty without a polynomial."""
+        return () if self.vignetting in (NO_VIGNETTING, COS4) else tuple(map(float, self.vignetting.split()))
