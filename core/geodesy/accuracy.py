@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import Message
-from .camera import CORNERS, Camera, Poses
+from .camera import Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid
 
 #: Largest expansion parameters for which the flat model's series is a bound.
@@ -65,8 +65,8 @@ class ImageGeometry:
 
     @property
     def diagonal_tangent(self) -> float:
-        """Tangent of half the diagonal field of view, t."""
-        return math.hypot(*self.camera.half_tangents)
+        """Tangent of half the diagonal field of view, t; of a camera that distorts, the greatest in its image."""
+        return self.camera.extremes.tangent if self.camera.distorts else math.hypot(*self.camera.half_tangents)
 
     @property
     def half_diagonal_px(self) -> Floats:
@@ -76,7 +76,12 @@ class ImageGeometry:
     @property
     def focal_px(self) -> Floats:
         """Focal length in px, (n,)."""
-        return self.half_diagonal_px / self.diagonal_tangent
+        return self.half_diagonal_px / math.hypot(*self.camera.half_tangents)
+
+    @property
+    def magnification(self) -> float:
+        """Greatest number of pixels for one of the ideal image; 1 unless the camera distorts."""
+        return float(self.camera.extremes.greatest_scale.max())
 
     @property
     def focal_column(self) -> Floats:
@@ -164,16 +169,17 @@ def finest_px_m(scene: ImageGeometry) -> Floats:
     """Least metres of ground spanned by a pixel of the image, (n,).
 
     For a ray of length L and drop D, both per unit along the axis, the image magnifies the ground by up to L·D relative
-    to the nadir; this is largest at a corner, and 1 in a level image.
+    to the nadir; this is largest at a corner, and 1 in a level image. A distortion magnifies it further.
     """
     spread = np.concatenate([_corner_spread(part) for part in scene.parts()])
     level = (scene.poses.tilt_deg == 0.0) & (scene.poses.roll_deg == 0.0)
-    return np.asarray(scene.nadir_px_m / np.where(level, 1.0, np.maximum(spread, 1.0)), np.float64)
+    level_spread = scene.magnification if scene.camera.distorts else 1.0
+    return np.asarray(scene.nadir_px_m / np.where(level, level_spread, np.maximum(spread, level_spread)), np.float64)
 
 
 def _corner_spread(scene: ImageGeometry) -> Floats:
     sin_below, squared = corner_angles(scene)
-    spread: Floats = np.max(squared * np.clip(sin_below, 0.0, 1.0), axis=1)
+    spread: Floats = np.max(squared * np.clip(sin_below, 0.0, 1.0), axis=1) * scene.magnification
     return spread
 
 
@@ -185,7 +191,7 @@ def exact_px(scene: ImageGeometry) -> Floats:
     the tangent of the field of view, 64 for `ellipsoid.trace`.
     """
     squared = np.concatenate([np.max(corner_angles(part)[1], axis=1) for part in scene.parts()])
-    noise: Floats = _GROUND_ROUNDING_M / finest_px_m(scene) + 2.0**-46 * scene.focal_px * squared
+    noise: Floats = _GROUND_ROUNDING_M / finest_px_m(scene) + 2.0**-46 * scene.focal_px * squared * scene.magnification
     return noise
 
 
@@ -197,7 +203,7 @@ def camera_frame_px(scene: ImageGeometry) -> Floats:
 
 def mesh_noise_px(scene: ImageGeometry) -> Floats:
     """Least bound of a mesh cell: rounding of the map positions of its four corners, (n,)."""
-    return _SERIES_ROUNDING_PX + 4.0 * _MAP_ROUNDING_M / scene.nadir_px_m
+    return scene.magnification * (_SERIES_ROUNDING_PX + 4.0 * _MAP_ROUNDING_M / scene.nadir_px_m)
 
 
 def outside_flat_domain(scene: ImageGeometry, bend: Floats | float | None = None) -> str:
@@ -229,14 +235,18 @@ def outside_flat_domain(scene: ImageGeometry, bend: Floats | float | None = None
 
 
 def corner_angles(scene: ImageGeometry) -> tuple[Floats, Floats]:
-    """Sines of the corner rays' angles below the horizontal, and squared lengths per unit along the axis, (n, 4)."""
+    """Sines of the corner rays' angles below the horizontal, and squared lengths per unit along the axis, (n, 4).
+
+    Of a camera that distorts, those of its `Camera.extremes`.
+    """
     # Yaw does not matter: if all poses share one tilt and roll, one pose gives the result for all.
     leans = scene.poses.tilt_deg, scene.poses.roll_deg
     if not any(any(angle.strides) for angle in leans):
         leans = leans[0][:1], leans[1][:1]
-    rays = scene.camera.rays_enu(CORNERS, 0.0, *leans)
+    points = scene.camera.extremes.image_xy
+    rays = scene.camera.rays_enu(points, 0.0, *leans)
     squared = np.sum(rays * rays, axis=-1)
-    shape = len(scene.poses.tilt_deg), len(CORNERS)
+    shape = len(scene.poses.tilt_deg), len(points)
     return np.broadcast_to(-rays[..., 2] / np.sqrt(squared), shape), np.broadcast_to(squared, shape)
 
 
@@ -291,7 +301,7 @@ def _corner_terrain_px_per_m(scene: ImageGeometry) -> float:
         return math.inf
     across = np.sqrt(1.0 - np.minimum(sin_below, 1.0) ** 2)
     angle_per_m = sin_below * across / scene.poses.agl_m[:, np.newaxis]
-    return float(np.max(angle_per_m * squared * scene.focal_column))
+    return float(np.max(angle_per_m * squared * scene.focal_column * scene.camera.extremes.greatest_scale))
 
 
 def ground_m_per_px(scene: ImageGeometry) -> float:
@@ -307,5 +317,5 @@ def _corner_m_per_px(scene: ImageGeometry) -> float:
         return math.inf
     grazed = np.sqrt(grazed2)
     slant = scene.radius_m * share * (2.0 + share) / (lifted + grazed)
-    per_px = slant / grazed / (np.sqrt(squared) * scene.focal_column)
+    per_px = slant / grazed / (np.sqrt(squared) * scene.focal_column) / scene.camera.extremes.least_scale
     return float(max(np.max(per_px * np.sqrt(squared)), np.max(scene.nadir_px_m)))

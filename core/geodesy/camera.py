@@ -100,9 +100,9 @@ class Camera(Lens):
         return replace(self, fov_deg=self._across_deg(half), red_scale=0.0, blue_scale=0.0)
 
     @property
-    def border_xy(self) -> Floats:
-        """Points along the border of the image, by which bounds are found, (n, 2): the corners of an ideal one."""
-        return _BORDER if self.distorts else np.array(CORNERS)
+    def extremes(self) -> Extremes:
+        """Image points where rays and the scale of the image may be extreme: the corners of an ideal camera."""
+        return _extremes(self) if self.distorts else _IDEAL_EXTREMES
 
     def rays_enu(
         self,
@@ -214,12 +214,43 @@ class Camera(Lens):
         return np.stack(sides, axis=-1)
 
 
-#: Points along each side of an image.
-_SIDE_POINTS = 16
-_SHARES = np.linspace(0.0, 1.0, _SIDE_POINTS, endpoint=False)[:, np.newaxis]
-_BORDER: Floats = np.concatenate(
-    [start + _SHARES * (end - start) for start, end in zip(np.array(CORNERS), np.roll(np.array(CORNERS), -1, axis=0))]
-)
+class Extremes(NamedTuple):
+    """Points of an image by which bounds are found.
+
+    Attributes
+    ----------
+    image_xy : array (n, 2)
+    least_scale, greatest_scale : array (n,)
+        Least and greatest pixels of the image for one of the ideal image there, in any direction.
+    tangent : float
+        Greatest tangent of the angle between a ray and the optical axis.
+    """
+
+    image_xy: Floats
+    least_scale: Floats
+    greatest_scale: Floats
+    tangent: float
+
+
+_IDEAL_EXTREMES = Extremes(np.array(CORNERS), np.ones(len(CORNERS)), np.ones(len(CORNERS)), math.nan)
+
+
+def _border(points: int) -> Floats:
+    """Points along each side of an image, (4·points, 2), from the upper left corner to the right."""
+    corners, shares = np.array(CORNERS), np.linspace(0.0, 1.0, points, endpoint=False)[:, np.newaxis]
+    sides = [start + shares * (end - start) for start, end in zip(corners, np.roll(corners, -1, axis=0))]
+    return np.concatenate(sides)
+
+
+@lru_cache(maxsize=256)
+def _extremes(camera: Camera) -> Extremes:
+    inner = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 3)] * 2), axis=-1).reshape(-1, 2)
+    points = np.concatenate([_border(8), inner])
+    ideal = camera.ideal_xy(points)
+    # Pixels are square.
+    slopes = camera.seen_slopes(ideal) * np.array([[1.0, camera.aspect_ratio], [1.0 / camera.aspect_ratio, 1.0]])
+    scales = np.linalg.svd(slopes, compute_uv=False)
+    return Extremes(points, scales[:, 1], scales[:, 0], float(np.hypot(*(ideal * camera.half_tangents).T).max()))
 
 
 def _in_focal_lengths(image_xy: Floats, half_tangents: tuple[float, float]) -> tuple[Floats, Floats]:
@@ -237,7 +268,7 @@ def _fitted(
 ) -> PerspectiveLens | FisheyeLens:
     """Distortion of a camera; raises InvalidInput if it folds the image."""
     axis = np.array([2.0 * principal[0], -2.0 * principal[1]])
-    border = np.stack(_in_focal_lengths(_BORDER - axis, half_tangents), axis=-1)
+    border = np.stack(_in_focal_lengths(_border(16) - axis, half_tangents), axis=-1)
     if lens == FISHEYE:
         return FisheyeLens.fitted(k[:4], border)
     return PerspectiveLens.fitted(BrownConrady(k, p1, p2), border)

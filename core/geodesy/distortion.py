@@ -18,6 +18,8 @@ from ..errors import InvalidInput
 _TURNS = 60
 #: Last steps of Newton's method, after which its error is far smaller, and errors that are rounding.
 _CLOSE, _NOISE = 1e-13, 1e-12
+#: Points whose directions are found at a time: few enough for the caches of a processor.
+_BATCH = 1 << 13
 #: Azimuths about the optical axis at which a lens is examined.
 _AZIMUTHS = 64
 #: Largest angle off the axis that an ideal picture shows, radians.
@@ -105,7 +107,11 @@ class PerspectiveLens:
 
     def seen(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Points of the picture that directions have."""
-        base, slope, beyond = self._parts(x, y)
+        beyond = np.sqrt(x * x + y * y) - self.limit
+        if not (beyond > 0.0).any():
+            return self.model.seen(x, y)
+        beyond, at = np.maximum(beyond, 0.0), self._held(x, y)
+        base, slope = self.model.seen(*at), self._outward(*at)
         return base[0] + beyond * slope[0], base[1] + beyond * slope[1]
 
     def seen_vectors(self, x: Floats, y: Floats, ahead: Floats) -> tuple[Floats, Floats]:
@@ -128,30 +134,35 @@ class PerspectiveLens:
         """Directions that points of the picture have; the inverse of `seen`, by Newton's method."""
         shape = np.broadcast_shapes(np.shape(x), np.shape(y))
         x, y = (np.broadcast_to(np.asarray(at, np.float64), shape).ravel() for at in (x, y))
-        found_x, found_y = x.copy(), y.copy()
-        some = np.arange(len(x))
-        off_x, off_y = self._off(found_x, found_y, x, y)
+        found = np.empty((2, len(x)))
+        for start in range(0, len(x), _BATCH):
+            some = slice(start, start + _BATCH)
+            found[:, some] = self._ideal(x[some], y[some])
+        return found[0].reshape(shape), found[1].reshape(shape)
+
+    def _ideal(self, x: Floats, y: Floats) -> Floats:
+        """`ideal` of points (n,), as an array (2, n)."""
+        found, some = np.stack([x, y]), np.arange(len(x))
+        off_x, off_y = self._off(x, y, x, y)
         for _ in range(_TURNS):
-            at_x, at_y = found_x[some], found_y[some]
-            xx, xy, yx, yy = self.model.slopes(*self._held(at_x, at_y))
+            at_x, at_y = found[:, some]
+            xx, xy, yx, yy = self.slopes(at_x, at_y)
             area = xx * yy - xy * yx
             step_x, step_y = (yy * off_x - xy * off_y) / area, (xx * off_y - yx * off_x) / area
-            share = np.ones(len(some))
-            error = np.hypot(off_x, off_y)
-            for _ in range(30):
+            error, share = off_x * off_x + off_y * off_y, np.ones(len(some))
+            for _ in range(_TURNS):
                 next_x, next_y = at_x - share * step_x, at_y - share * step_y
                 off_x, off_y = self._off(next_x, next_y, x[some], y[some])
-                worse = (np.hypot(off_x, off_y) > error) & (error > _NOISE)
+                worse = (off_x * off_x + off_y * off_y > error) & (error > _NOISE * _NOISE)
                 if not worse.any():
                     break
                 share[worse] /= 2.0
-            found_x[some], found_y[some] = next_x, next_y
-            moved = np.hypot(next_x - at_x, next_y - at_y)
-            open_ = moved > _CLOSE * (1.0 + np.hypot(next_x, next_y))
-            if not open_.any():
+            found[:, some] = next_x, next_y
+            moved = (np.abs(step_x) + np.abs(step_y)) * share > _CLOSE * (1.0 + np.abs(next_x) + np.abs(next_y))
+            if not moved.any():
                 break
-            some, off_x, off_y = some[open_], off_x[open_], off_y[open_]
-        return found_x.reshape(shape), found_y.reshape(shape)
+            some, off_x, off_y = some[moved], off_x[moved], off_y[moved]
+        return found
 
     def slopes(self, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Derivatives of `seen` at directions within the limit: of x by x and y, of y by x and y."""
@@ -163,7 +174,10 @@ class PerspectiveLens:
 
     def _held(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Directions, drawn in to the limit."""
-        share = np.minimum(1.0, self.limit / np.maximum(np.hypot(x, y), self.limit))
+        radius = np.sqrt(x * x + y * y)
+        if not (radius > self.limit).any():
+            return x, y
+        share = np.minimum(1.0, self.limit / np.maximum(radius, self.limit))
         return x * share, y * share
 
     def _outward(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
@@ -171,12 +185,6 @@ class PerspectiveLens:
         radius = np.maximum(np.hypot(x, y), np.finfo(float).tiny)
         xx, xy, yx, yy = self.model.slopes(x, y)
         return (xx * x + xy * y) / radius, (yx * x + yy * y) / radius
-
-    def _parts(self, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats]:
-        """Points of the picture within the limit, slopes outward there, and how far directions are beyond it."""
-        beyond = np.maximum(np.hypot(x, y) - self.limit, 0.0)
-        at = self._held(x, y)
-        return self.model.seen(*at), self._outward(*at), beyond
 
 
 def _examined(model: BrownConrady, reach: float) -> tuple[float, float]:

@@ -24,6 +24,8 @@ from .ellipsoid import (
 
 #: Poses whose corners are computed at a time, to bound memory.
 _BATCH = 1 << 14
+#: Points along each arc of the horizon.
+_ARC_POINTS = 73
 #: Image points as in `CORNERS`.
 ImagePoints = tuple[tuple[float, float], ...]
 
@@ -159,8 +161,8 @@ def outline(
 ) -> Outline:
     """Outline of the ground that one camera sees.
 
-    The part of an image that shows the Earth is convex (a rectangle cut by a cone), so vertices are sorted by their
-    angle about a point inside.
+    The part of an ideal image that shows the Earth is convex (a rectangle cut by a cone), so vertices are sorted by
+    their angle about a point inside. In an image that is distorted, they follow its border and the horizon in turn.
 
     Parameters
     ----------
@@ -190,8 +192,11 @@ def outline(
             remedy="tilt it down",
         )
     lat, dlon = np.concatenate([lat[hit], arc.lat_deg]), np.concatenate([dlon[hit], arc.dlon_deg])
-    centre = points.mean(axis=0)
-    order = np.argsort(np.arctan2(points[:, 1] - centre[1], points[:, 0] - centre[0]))
+    if camera.distorts and 0 < hit.sum() < len(hit):
+        order = _walk(edge, hit, arc.image_xy.reshape(-1, _ARC_POINTS, 2))
+    else:
+        centre = points.mean(axis=0)
+        order = np.argsort(np.arctan2(points[:, 1] - centre[1], points[:, 0] - centre[0]))
     order = order[_distinct(points[order])]
     lat, dlon, points, on_limb = lat[order], dlon[order], points[order], on_limb[order]
     steps = np.diff(dlon, append=dlon[:1])
@@ -260,7 +265,7 @@ class _View:
             cuts = np.array([0.0])
         ends = np.append(cuts[1:], cuts[0] + 2.0 * np.pi)
         middle_inside = self._on_limb((cuts + ends) / 2.0)[3]
-        shares = np.linspace(0.0, 1.0, 73)
+        shares = np.linspace(0.0, 1.0, _ARC_POINTS)
         azimuths = [start + shares * (end - start) for start, end in zip(cuts[middle_inside], ends[middle_inside])]
         if not azimuths:
             return _NO_ARC
@@ -278,6 +283,8 @@ class _View:
 
     def _crossing_azimuths(self) -> Floats:
         """Azimuths, radians from north, at which the horizon crosses the edges of the image."""
+        if self.camera.distorts:
+            return self._curved_crossings()
         corners = np.array(CORNERS)
         start, way = corners, np.roll(corners, -1, axis=0) - corners
         first, middle, last = (self.discriminants(start + share * way) for share in (0.0, 0.5, 1.0))
@@ -296,3 +303,66 @@ class _View:
         rays = self.camera.rays_enu(points, *self.attitude)
         ahead = clearance(*self._where, rays, self.ground)[1] < 0.0
         return limb_azimuth(*self._where, rays[ahead], self.ground)
+
+    def _curved_crossings(self) -> Floats:
+        """`_crossing_azimuths` of an image whose edges are curved, between its `frame_points`."""
+        edge = self.frame_points()
+        hit = self.seen(edge)[2]
+        at = np.flatnonzero(hit != np.roll(hit, -1))
+        following = (at + 1) % len(edge)
+        inside, outside = (
+            np.where(hit[at, np.newaxis] == is_hit, edge[at], edge[following]) for is_hit in (True, False)
+        )
+        for _ in range(60):
+            middle = (inside + outside) / 2.0
+            seen = self.seen(middle)[2][:, np.newaxis]
+            inside, outside = np.where(seen, middle, inside), np.where(seen, outside, middle)
+        return limb_azimuth(*self._where, self.camera.rays_enu(inside, *self.attitude), self.ground)
+
+
+def _walk(edge: Floats, hit: Flags, arcs: Floats) -> NDArray[np.intp]:
+    """Order of the points of an outline, counter-clockwise, along the border of the image and the horizon in turn.
+
+    Parts of the ground that the horizon separates are joined by a way to and fro.
+
+    Parameters
+    ----------
+    edge : array (n, 2)
+        Image points along the border.
+    hit : array (n,) of bool
+        Which of them show ground; these are the first points of the outline.
+    arcs : array (k, points, 2)
+        Image points along the horizon, by azimuth, which are its other points.
+    """
+
+    def turn(points: Floats) -> Floats:
+        return np.arctan2(points[..., 1], points[..., 0])
+
+    def nearest(ahead: Floats, here: Floats) -> NDArray[np.intp]:
+        """Which of some places along the border is next after each of others."""
+        found: NDArray[np.intp] = np.argmin(np.mod(ahead - here[:, np.newaxis], 2.0 * np.pi), axis=1)
+        return found
+
+    number, around = np.cumsum(hit) - 1, np.argsort(turn(edge))
+    around = np.roll(around, -int(np.flatnonzero(~hit[around])[0]))
+    begins = np.flatnonzero(hit[around] & ~hit[np.roll(around, 1)])
+    runs = [one[hit[one]] for one in np.split(around, begins)[1:]]
+    of_arc = [int(hit.sum()) + index * arcs.shape[1] + np.arange(arcs.shape[1]) for index in range(len(arcs))]
+    first, last = (turn(edge[[run[at] for run in runs]]) for at in (0, -1))
+    # With the ground on the left, the horizon runs against the azimuths.
+    arc_after = nearest(turn(arcs[:, -1]), last) if len(arcs) else None
+    run_after = nearest(first, turn(arcs[:, 0]))
+    order: list[NDArray[np.intp]] = []
+    left = list(range(len(runs)))
+    while left:
+        begin = len(order)
+        run = left[0]
+        while run in left:
+            left.remove(run)
+            order.append(number[runs[run]])
+            if arc_after is not None:
+                order.append(of_arc[arc_after[run]][::-1])
+                run = int(run_after[arc_after[run]])
+        if begin or left:
+            order.append(order[begin][:1])
+    return np.concatenate(order)

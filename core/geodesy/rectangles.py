@@ -81,7 +81,7 @@ def inscribed_edges(
     centre[level, 1] = (edges.top_v + edges.bottom_v)[level] / 2.0
     inside = _narrowed(edges, np.where(polygon | level, _sag(ring), 0.0))
     # Images of level cameras smaller than a twentieth of the world are nearly rectangles on the map.
-    tested = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > 0.05))
+    tested = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > 0.05) | camera.distorts)
     if len(tested):
         some = FrameEdges(*(side[tested] for side in inside))
         for side, shown in zip(inside, _shown(camera, at_zero.take(tested), some, centre[tested], ground)):
@@ -97,7 +97,7 @@ def _centred_edges(
     centre, half_u, half_v = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
     if polygon.any():
         centre[polygon] = _centres(camera, poses.take(polygon), ground)
-        half_u[polygon], half_v[polygon] = _half_sizes(ring[polygon] - centre[polygon, np.newaxis])
+        half_u[polygon], half_v[polygon] = _half_sizes(ring[polygon] - centre[polygon, np.newaxis], camera.distorts)
     if cut.any():
         centre[cut] = _centres(camera, poses.take(cut), ground)
         half_u[cut], half_v[cut] = _searched(camera, poses.take(cut), ring[cut], centre[cut], ground)
@@ -278,7 +278,7 @@ def common_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipso
     """
     rings, centres, _ = image_rings(camera, poses, plane, ground)
     centre = centres.mean(axis=0)
-    half = np.array(_common_half_sizes(rings - centre))
+    half = np.array(_common_half_sizes(rings - centre, camera.distorts))
     half = np.maximum(half - float(_sag(rings).max()) - NOISE_M, 0.0)
 
     def fits(share: Floats) -> Flags:
@@ -311,7 +311,11 @@ def image_sides(
         ]
         return Sides(*(np.concatenate(sides) for sides in zip(*parts)))
     rings, centres, whole = image_rings(camera, poses, plane, ground)
-    half = np.stack(_half_sizes(rings - centres[:, np.newaxis]), axis=-1) - NOISE_M - _sag(rings)[:, np.newaxis]
+    half = (
+        np.stack(_half_sizes(rings - centres[:, np.newaxis], camera.distorts), axis=-1)
+        - NOISE_M
+        - _sag(rings)[:, np.newaxis]
+    )
     if math.isfinite(most_m[0]):
         half = np.broadcast_to(np.array(most_m) / 2.0, half.shape)
     half = np.where(whole[:, np.newaxis], np.maximum(half, 0.0), 0.0)
@@ -373,7 +377,7 @@ def _image_frame() -> Floats:
 
 def _border_points(camera: Camera) -> int:
     """Number of points tested along each side of a rectangle; wide images need more."""
-    return 13 if camera.fov_deg <= 120.0 else 65
+    return 13 if camera.fov_deg <= 120.0 and not camera.distorts else 65
 
 
 def _unit_border(points: int) -> tuple[Floats, Floats]:
@@ -419,22 +423,23 @@ def _reach(size: Floats) -> Floats:
     return most
 
 
-def _half_sizes(ring: Floats) -> tuple[Floats, Floats]:
+def _half_sizes(ring: Floats, is_bent: bool) -> tuple[Floats, Floats]:
     """Half width and height, (n,) each, of the largest centred rectangle inside each ring (n, k, 2).
 
-    0 for rings without extent, such as rings beyond the map.
+    0 for rings without extent, such as rings beyond the map. Rings that are not ``is_bent`` are convex.
     """
     ratios = _ratios(ring)
-    half_u = _rooms(ring, ratios)
+    half_u = _bent_rooms(ring, ratios) if is_bent else _rooms(ring, ratios)
     best = np.argmax(half_u * half_u * ratios, axis=1)[:, np.newaxis]
     width = np.take_along_axis(half_u, best, axis=1)[:, 0]
     return width, width * np.take_along_axis(ratios, best, axis=1)[:, 0]
 
 
-def _common_half_sizes(ring: Floats) -> tuple[float, float]:
-    """Half width and height of the largest centred rectangle that lies inside all rings (n, k, 2)."""
+def _common_half_sizes(ring: Floats, is_bent: bool) -> tuple[float, float]:
+    """Half width and height of the largest centred rectangle inside all rings (n, k, 2); see `_half_sizes`."""
     ratios = _ratios(ring[:1])
-    half_u = _rooms(ring, np.repeat(ratios, len(ring), axis=0)).min(axis=0)
+    rooms = _bent_rooms if is_bent else _rooms
+    half_u = rooms(ring, np.repeat(ratios, len(ring), axis=0)).min(axis=0)
     best = int(np.argmax(half_u * half_u * ratios[0]))
     return float(half_u[best]), float(half_u[best] * ratios[0, best])
 
@@ -467,4 +472,14 @@ def _rooms(ring: Floats, ratios: Floats) -> Floats:
             np.divide(distance, need, out=need)
             need.min(axis=0, out=half_u[:, column])
     half_u[flat] = 0.0
+    return half_u
+
+
+def _bent_rooms(ring: Floats, ratios: Floats) -> Floats:
+    """`_rooms` of rings that need not be convex, up to the sagittas between points on their sides."""
+    following = np.roll(ring, -1, axis=1)
+    points = np.concatenate([ring + share * (following - ring) for share in np.arange(8) / 8.0], axis=1)
+    u, v = np.abs(points[..., 0]), np.abs(points[..., 1])
+    half_u: Floats = np.stack([np.maximum(u, v / ratio[:, np.newaxis]).min(axis=1) for ratio in ratios.T], axis=1)
+    half_u[(np.ptp(ring, axis=1) <= 0.0).any(axis=1)] = 0.0
     return half_u

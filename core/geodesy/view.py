@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from ..errors import InvalidInput
 from ..external.compiling import loaded_numba
 from ..limits import MAX_IMAGE_TILES
 from .accuracy import ImageGeometry, grazing, mesh_noise_px
+from .camera import Camera
 from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import MERCATOR, PixelGrid, Plane
 
@@ -31,6 +32,8 @@ KERNEL_REACH_PX = 4
 _BATCH = 1 << 17
 #: Smallest side of a cell, px; in smaller ones every pixel is traced.
 _SMALLEST_PX = 8
+#: Parts of a cell's side at whose ends its bend by a distortion is measured.
+_NODES = 4
 #: Corners of a cell in the order upper left, lower left, lower right, upper right, as columns of its box.
 _CORNER_X, _CORNER_Y = (0, 0, 2, 2), (1, 3, 3, 1)
 
@@ -579,8 +582,10 @@ class ImageRays(NamedTuple):
 
     def directions(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
-        if self.distorts:
-            x_px, y_px = self.ideal_px(x_px, y_px)
+        return self.ideal_directions(*self.ideal_px(x_px, y_px)) if self.distorts else self.ideal_directions(x_px, y_px)
+
+    def ideal_directions(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
+        """Rays of points of the ideal image, (..., 3)."""
         rays = np.empty((*np.broadcast_shapes(np.shape(x_px), np.shape(y_px)), 3))
         # Component by component: broadcasting a last axis of 3 is several times as slow.
         for axis in range(3):
@@ -594,10 +599,26 @@ class ImageRays(NamedTuple):
         found: Floats = origin + x * self.per_x[axis] + y * self.per_y[axis]
         return found
 
+    def ideal_centres(self, top: int, bottom: int) -> tuple[Floats, Floats]:
+        """Points of the ideal image that the centres of some rows of pixels show; they broadcast to (rows, width)."""
+        if not self.distorts:
+            width, _ = self.size_px
+            return np.arange(width) + 0.5, np.arange(top, bottom)[:, np.newaxis] + 0.5
+        x, y = _ideal_centres(self.scene.camera, *self.scene.one_size_px)
+        some = slice(self.top_px + top, self.top_px + bottom)
+        return x[some], y[some] - self.top_px
+
     def ground(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> GroundPoints:
         """Ground seen at image points."""
+        return self._ground(self.directions(x_px, y_px))
+
+    def ideal_ground(self, x_px: Floats, y_px: Floats) -> GroundPoints:
+        """Ground seen at points of the ideal image."""
+        return self._ground(self.ideal_directions(x_px, y_px))
+
+    def _ground(self, rays: Floats) -> GroundPoints:
         pose = self.scene.poses
-        return trace(pose.lat_deg[0], pose.agl_m[0], self.directions(x_px, y_px), self.scene.ground)
+        return trace(pose.lat_deg[0], pose.agl_m[0], rays, self.scene.ground)
 
     def map_points(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """World fractions from the camera's meridian (or the plane's west) and from the north, and which rays hit."""
@@ -618,9 +639,17 @@ class ImageRays(NamedTuple):
         return self.plane.bends(v, places)
 
     def clearance(self, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
-        """Clearance of rays at image points; see `ellipsoid.clearance`."""
+        """Clearance of rays at points of the ideal image; see `ellipsoid.clearance`."""
         pose = self.scene.poses
-        return clearance(pose.lat_deg[0], pose.agl_m[0], self.directions(x_px, y_px), self.scene.ground)
+        return clearance(pose.lat_deg[0], pose.agl_m[0], self.ideal_directions(x_px, y_px), self.scene.ground)
+
+
+@lru_cache(maxsize=3)
+def _ideal_centres(camera: Camera, width: int, height: int) -> tuple[Floats, Floats]:
+    """Points of the ideal image, px, that the pixels of an image show, (height, width) each."""
+    x, y = np.meshgrid((np.arange(width) * 2.0 + 1.0) / width - 1.0, 1.0 - (np.arange(height) * 2.0 + 1.0) / height)
+    ideal = camera.ideal_xy(np.stack([x, y], axis=-1))
+    return (ideal[..., 0] + 1.0) * (width / 2.0), (1.0 - ideal[..., 1]) * (height / 2.0)
 
 
 def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
@@ -743,17 +772,77 @@ def _errors_px(
     bend = (1.0 + 2.0 * rays.bends(box[:, _CORNER_X], box[:, _CORNER_Y], v)).max(axis=1)
     receding, steepening = _receding(lifted, np.sqrt(grazed2), share)
     focal = float(np.broadcast_to(scene.focal_px, 1)[0])
+    sizes, off, scale = _bent(rays, box)
     slant = share * (2.0 + share) / (lifted + np.sqrt(grazed2))
     across = (slant * bend[:, np.newaxis] + 2.0 * (np.abs(receding) + np.abs(steepening))).max(axis=1) / focal
     uneven = (length.max(axis=1) / length.min(axis=1)) ** 2
     errors, unevenness = [], []
     for axis, edges in ((0, ((0, 3), (1, 2))), (1, ((0, 1), (3, 2)))):
-        size = (box[:, axis + 2] - box[:, axis]).astype(np.float64)
+        size = sizes[axis]
         slopes = np.max([np.abs(steepening[:, start] - steepening[:, end]) for start, end in edges], axis=0)
-        errors.append(np.where(good, uneven * size / 8.0 * (slopes * bend + size * across), np.inf))
+        errors.append(
+            np.where(good, scale * (uneven * size / 8.0 * (slopes * bend + size * across) + off[axis]), np.inf)
+        )
         ratio = np.max([np.maximum(slant[:, a] / slant[:, b], slant[:, b] / slant[:, a]) for a, b in edges], axis=0)
         unevenness.append(np.where(good, ratio, np.inf))
     return (errors[0], errors[1]), (unevenness[0], unevenness[1])
+
+
+def _bent(rays: ImageRays, box: Numbers) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats | float]:
+    """Boxes of an image in the ideal image, (k,) each.
+
+    Returns
+    -------
+    sizes : pair of arrays
+        Longest sides along the image's x and y.
+    off : pair of arrays
+        How far points are off the perspective through the corners, for the bend along x and along y.
+    scale : array
+        Most pixels of the image for one of the ideal image.
+    """
+    wide, high = ((box[:, axis + 2] - box[:, axis]).astype(np.float64) for axis in (0, 1))
+    if not rays.distorts:
+        return (wide, high), (np.zeros(len(box)), np.zeros(len(box))), 1.0
+    nodes = _ideal_nodes(rays, box)
+    off = _off_perspective(nodes)
+    across, down = (np.diff(nodes, axis=axis) * _NODES for axis in (2, 1))
+    lengths = [np.hypot(*np.moveaxis(steps, -1, 0)).max(axis=(1, 2)) for steps in (across, down)]
+    per_x, per_y = across[:, :-1] / wide.reshape(-1, 1, 1, 1), down[:, :, :-1] / high.reshape(-1, 1, 1, 1)
+    square = (per_x**2 + per_y**2).sum(axis=-1)
+    area = per_x[..., 0] * per_y[..., 1] - per_x[..., 1] * per_y[..., 0]
+    least = np.sqrt(np.maximum((square - np.sqrt(np.maximum(square**2 - 4.0 * area**2, 0.0))) / 2.0, 1e-300))
+    share = wide**2 / (wide**2 + high**2)
+    return (lengths[0], lengths[1]), (off * share, off * (1.0 - share)), 1.0 / least.min(axis=(1, 2))
+
+
+def _ideal_nodes(rays: ImageRays, box: Numbers) -> Floats:
+    """Points of the ideal image at nodes of boxes (k,), by rows and columns; (k, nodes, nodes, 2)."""
+    share = np.linspace(0.0, 1.0, _NODES + 1)
+    left, top, right, bottom = (side[:, np.newaxis] for side in box.T.astype(np.float64))
+    x, y = left + (right - left) * share, top + (bottom - top) * share
+    return np.stack(rays.ideal_px(x[:, np.newaxis], y[:, :, np.newaxis]), axis=-1)
+
+
+def _off_perspective(nodes: Floats) -> Floats:
+    """How far nodes (k, n, n, 2) are off the perspective through the corners, at most, (k,)."""
+    left_top, right_top, left_low, right_low = nodes[:, 0, 0], nodes[:, 0, -1], nodes[:, -1, 0], nodes[:, -1, -1]
+    from_right, from_left, rest = (
+        right_top - right_low,
+        left_low - right_low,
+        left_top - right_top + right_low - left_low,
+    )
+    area = from_right[:, 0] * from_left[:, 1] - from_right[:, 1] * from_left[:, 0]
+    along_x = ((rest[:, 0] * from_left[:, 1] - rest[:, 1] * from_left[:, 0]) / area)[:, np.newaxis]
+    along_y = ((from_right[:, 0] * rest[:, 1] - from_right[:, 1] * rest[:, 0]) / area)[:, np.newaxis]
+    across, down = right_top - left_top + along_x * right_top, left_low - left_top + along_y * left_low
+    share = np.linspace(0.0, 1.0, nodes.shape[1])
+    x, y = (at[np.newaxis, ..., np.newaxis] for at in np.meshgrid(share, share))
+    start, across, down, along_x, along_y = (
+        values[:, np.newaxis, np.newaxis] for values in (left_top, across, down, along_x, along_y)
+    )
+    off = (start + x * across + y * down) / (1.0 + x * along_x + y * along_y) - nodes
+    most: Floats = np.hypot(off[..., 0], off[..., 1]).max(axis=(1, 2))
+    return most
 
 
 def _receding(lifted: Floats, grazed: Floats, share: float) -> tuple[Floats, Floats]:
@@ -769,9 +858,13 @@ def _receding(lifted: Floats, grazed: Floats, share: float) -> tuple[Floats, Flo
 def _holds_earth(rays: ImageRays, box: Numbers) -> NDArray[np.bool_]:
     """Whether boxes (k,) show ground although their corners do not; may be True for boxes without any.
 
-    The part of the image that shows ground is convex: it enters a box across an edge, along which the discriminant is
-    quadratic, or lies inside, with the point below the camera.
+    The part of the ideal image that shows ground is convex: it enters a box across an edge, along which the
+    discriminant is quadratic, or lies inside, with the point below the camera. Boxes that are bent there are widened.
     """
+    if rays.distorts:
+        nodes = _ideal_nodes(rays, box)
+        off = _off_perspective(nodes)[:, np.newaxis]
+        box = np.concatenate([nodes.min(axis=(1, 2)) - off, nodes.max(axis=(1, 2)) + off], axis=1)
     x, y = box[:, _CORNER_X].astype(np.float64), box[:, _CORNER_Y].astype(np.float64)
     next_x, next_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
     start, towards = rays.clearance(x, y)

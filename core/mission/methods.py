@@ -305,6 +305,8 @@ def choose_methods(
 
 def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
     """Reason why a mission cannot have map frames whatever its budget; empty where it may."""
+    if not mission.camera.is_ideal:
+        return Message("the lens distorts images, which windows of a map do not")
     if not relief.is_level:
         return Message(
             "the ground is from {0:.1f} to {1:.1f} m high, and seen from aside",

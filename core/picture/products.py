@@ -196,7 +196,7 @@ def _level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Flo
         rays = ImageRays.from_scene(ImageGeometry(camera, width, height, pose, plan.ground))
         for top in range(first, end, rows):
             part = slice(top, min(top + rows, end))
-            seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(part.start, part.stop) + 0.5))
+            seen = rays.ideal_ground(*rays.ideal_centres(part.start, part.stop))
             lat[part], dlon[part] = seen.lat_deg, seen.dlon_deg + (pose.lon_deg[0] - plan.lon_deg[index])
     return lat, dlon
 
@@ -204,8 +204,8 @@ def _level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Flo
 def _near_level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Floats, Floats]:
     """`_level_ground` within 1/8192 of a pixel, in a sixth of its time.
 
-    Over a plane, offsets from the camera's position times the depth of rays are linear in pixels. The Earth bends them
-    little, so polynomials hold them, unless the image reaches towards the horizon.
+    Over a plane, offsets from the camera's position times the depth of rays are linear in pixels. The Earth and the
+    lens bend them little, so polynomials hold them, unless the image reaches towards the horizon.
     """
     (width, height), pose = size_px, plan.poses.take(np.array([index]))
     if len(middle_strips(plan, index, size_px)) > 1:
@@ -215,8 +215,8 @@ def _near_level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tupl
     seen = rays.ground(*np.meshgrid(across.nodes, down.nodes))
     lat_deg = float(pose.lat_deg[0])
     most_deg = math.degrees(_digit_m(plan, index, size_px) / WGS84.a_m)
-    fall = -rays.component(2, across.nodes, down.nodes[:, np.newaxis])
-    depth = -rays.component(2, np.arange(width) + 0.5, np.arange(height)[:, np.newaxis] + 0.5)
+    fall = -rays.component(2, *rays.ideal_px(across.nodes, down.nodes[:, np.newaxis]))
+    depth = -rays.component(2, *rays.ideal_centres(0, height))
     with np.errstate(invalid="ignore", divide="ignore"):
         offsets = [
             down.weights @ (at * fall) @ across.weights.T / depth for at in (seen.lat_deg - lat_deg, seen.dlon_deg)
@@ -253,7 +253,7 @@ def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sightin
         depth = np.empty_like(dlon)
         for top, bottom, at in middle_strips(plan, index, size_px):
             rows, east = slice(top, bottom), at.lon_deg[0] - plan.lon_deg[index]
-            axis = plan.mission.camera.rays_enu(((0.0, 0.0),), *(angle[0] for angle in at.attitude))[0]
+            axis = plan.mission.camera.ideal_rays_enu(np.zeros((1, 2)), *(float(angle[0]) for angle in at.attitude))[0]
             with np.errstate(invalid="ignore"):
                 lines = sight_lines(at.lat_deg[0], at.agl_m[0], ground_lat[rows], dlon[rows] - east, plan.ground)
             depth[rows] = lines @ axis

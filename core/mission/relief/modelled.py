@@ -716,7 +716,7 @@ def _reaches(mission: Mission) -> Floats:
         angles = [np.array([getattr(mission.attitude, f"{name}_deg")]) for name in ANGLES]
     # The yaw does not change the distance, and equal attitudes are computed once.
     (tilts, rolls), which = np.unique(np.stack(angles[1:]), axis=1, return_inverse=True)
-    rays = mission.camera.rays_enu(CORNERS, np.zeros_like(tilts), tilts, rolls)
+    rays = mission.camera.rays_enu(mission.camera.extremes.image_xy, np.zeros_like(tilts), tilts, rolls)
     with np.errstate(divide="ignore"):
         tangents = np.hypot(rays[..., 0], rays[..., 1]) / np.maximum(-rays[..., 2], 1e-9)
     farthest: Floats = np.minimum(tangents.max(axis=-1), _MAX_TANGENT)

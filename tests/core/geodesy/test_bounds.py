@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from terrainav.core.geodesy import accuracy
 from terrainav.core.geodesy.accuracy import ImageGeometry
-from terrainav.core.geodesy.camera import Camera, Poses
+from terrainav.core.geodesy.camera import CORNERS, Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid, v_to_lat
 from terrainav.core.geodesy.rectangles import inscribed_edges
 from terrainav.core.geodesy.view import ImageRays, mesh, view
@@ -36,7 +36,7 @@ def test_angles_of_corners_are_those_of_their_rays_whether_poses_share_their_att
         alike._replace(roll_deg=some),
     ):
         sin_below, squared = accuracy.corner_angles(ImageGeometry(camera, 640, 480, poses))
-        rays = camera.rays_enu(accuracy.CORNERS, *poses.attitude)
+        rays = camera.rays_enu(CORNERS, *poses.attitude)
         length = np.linalg.norm(rays, axis=-1)
         assert sin_below.shape == squared.shape == (count, 4)
         np.testing.assert_allclose(sin_below, -rays[..., 2] / length, rtol=1e-14)
