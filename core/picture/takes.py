@@ -76,7 +76,9 @@ class Timing:
     def _speeds(self) -> tuple[Floats, Floats]:
         """Rows in px at which the motion of the picture is measured, (k,), and its greatest speed in px/s there."""
         (width, height), camera = self.plan.views.size_px(self.index), self.plan.mission.camera
-        across, down = ((np.arange(count) + 0.5) / count for count in _POINTS)
+        # Over relief, the centres of the pixels of a small picture; else also the edges.
+        inset = 0.0 if self.plan.relief.is_level else 0.5
+        across, down = (np.linspace(inset, count - inset, count) / count for count in _POINTS)
         x, y = np.meshgrid(2.0 * across - 1.0, 1.0 - 2.0 * down)
         points = np.stack([x, y], axis=-1).reshape(-1, 2)
         pose = self._flown
