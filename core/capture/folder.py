@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
-from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE
+from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, clean_type
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..geodesy.mercator import WebMercator
 from ..limits import MAX_MISSION_BYTES
@@ -43,7 +43,8 @@ class CaptureFolder(ABC):
         """
         make_folder(self.root)
         imagery = mission.imagery
-        folders = tuple(one.name for one in imagery.named) or (*imagery.map_types, *mission.products)
+        clean = tuple(map(clean_type, imagery.map_types)) if mission.varied.keep_clean else ()
+        folders = tuple(one.name for one in imagery.named) or (*imagery.map_types, *clean, *mission.products)
         wanted = mission.to_json().encode("utf-8")
         found = self._read_mark()
         if found is None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Numbers
-from ..dataset.folder import JOURNAL_FILE, REJECTED_FOLDER, TABLE_FILE
+from ..dataset.folder import JOURNAL_FILE, REJECTED_FOLDER, TABLE_FILE, clean_type
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, OutputError
 from ..imagery.placeholder import PLACEHOLDER_REASON, Placeholder
@@ -139,10 +139,15 @@ class ImageJournal(CaptureJournal):
         # Refuse a table whose other columns cannot be kept before the work rather than after it.
         other_columns(folder / TABLE_FILE)
         complete = find_complete(folder, self._endings, noted)
+        folders = [folder]
+        if self._plan.mission.varied.keep_clean:
+            folders.append(self.root / clean_type(map_type))
+            complete &= find_complete(folders[-1], self._endings, {name: one.of_clean() for name, one in noted.items()})
         known = {name: one for name, one in noted.items() if one.status == FAILED or name in complete}
         for name, outcome in known.items():
             if any(map(placeholder.knows, outcome.repeated)):
-                remove_image(folder, self._endings, name)
+                for one in folders:
+                    remove_image(one, self._endings, name)
                 known[name] = Outcome(map_type, name, reason=PLACEHOLDER_REASON)
                 self._journal.add(known[name])
 

@@ -12,11 +12,12 @@ import json
 import math
 import os
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
+from ..dataset.folder import clean_type
 from ..errors import OutputError
 from ..limits import MAX_JOURNAL_LINE_BYTES, MAX_TABLE_BYTES
 from ..storage.files import open_locked, open_own
@@ -51,6 +52,8 @@ class Outcome:
         Position and length of the image in the shard.
     facts : tuple of (str, float or str)
         What is stated of a real camera's effects on the image, by the name of the table's column.
+    clean : (float, int) or None
+        Entropy in bits, and bytes of all files, of the image without these effects; None if it is not kept.
     """
 
     map_type: str
@@ -66,11 +69,17 @@ class Outcome:
     offset_bytes: int = 0
     length_bytes: int = 0
     facts: tuple[tuple[str, float | str], ...] = ()
+    clean: tuple[float, int] | None = None
 
     @property
     def status(self) -> str:
         """``done`` or ``failed``."""
         return FAILED if self.entropy is None else DONE
+
+    def of_clean(self) -> Outcome:
+        """Outcome of the image without the effects of a real camera."""
+        entropy, size_bytes = self.clean or (None, 0)
+        return replace(self, map_type=clean_type(self.map_type), entropy=entropy, size_bytes=size_bytes, facts=())
 
     def to_line(self) -> bytes:
         """Line of the journal."""
@@ -93,6 +102,8 @@ class Outcome:
             fields.update(shard=self.shard, offset_bytes=self.offset_bytes, length_bytes=self.length_bytes)
         if self.facts:
             fields.update(facts=dict(self.facts))
+        if self.clean:
+            fields.update(clean=self.clean)
         return json.dumps(fields, ensure_ascii=False).encode("utf-8") + b"\n"
 
     @classmethod
@@ -101,6 +112,7 @@ class Outcome:
         try:
             fields = parse_json(line)
             sky, unmapped, facades = (float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped", "facade"))
+            clean = fields.get("clean")
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
             sizes = [int(fields.get(f"{what}_bytes", 0)) for what in ("size", "offset", "length")]
             # Comparisons with NaN are false.
@@ -121,6 +133,7 @@ class Outcome:
                 sizes[1],
                 sizes[2],
                 tuple(_fact(*one) for one in fields.get("facts", {}).items()),
+                (float(clean[0]), int(clean[1])) if clean else None,
             )
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             return None

@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Floats, NDArray, PixelValues
 from ..bands import RGB, Bands, Range, shown_in_8_bits, source_bands, source_ranges
 from ..dataset.entropy import entropy
-from ..dataset.folder import TABLE_FILE
+from ..dataset.folder import TABLE_FILE, clean_type
 from ..dataset.table import Table
 from ..errors import Message, PartError
 from ..geodesy.camera import Camera, Poses
@@ -63,6 +63,8 @@ class PictureJob:
         Labels for the products classes and instances.
     development : Development or None
         The picture's way through a real camera; None for an ideal one.
+    keep_clean : bool
+        Also write the picture as it is without the effects of a real camera.
     """
 
     index: int
@@ -79,6 +81,7 @@ class PictureJob:
     write: Write = write_whole
     labels: LabelMap | None = None
     development: Development | None = None
+    keep_clean: bool = False
 
     def failed(self, error: PartError) -> Outcome:
         """Outcome of an image that could not be made."""
@@ -102,6 +105,7 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     if isinstance(job.shot, Shot):
         description = replace(description, more=_camera_metadata(job.shot))
         facts = () if job.shot.timing is None else job.shot.timing.facts
+    clean = _write_clean(replace(job, description=description), picture, parts, pixels) if job.keep_clean else None
     if job.development is not None:
         picture, developed, raw = job.development.develop(picture, job.shot, len(job.bands))
         facts = tuple({**dict(facts), **dict(developed)}.items())
@@ -111,12 +115,11 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         if description.exposure is not None:
             exposure = replace(description.exposure, settings=CameraSettings.of_facts(dict(facts)))
             description = replace(description, exposure=exposure)
-    picture = resized(picture, job.img_size, job.bands)
     if job.products is not None:
         from ..picture.products import BANDS, products
 
         plan, folder = job.products
-        size_px = (picture.shape[1], picture.shape[0])
+        size_px = (picture.shape[1], picture.shape[0]) if job.img_size is None else job.img_size[:2]
         for name, values in products(plan, job.index, size_px, job.shot, job.labels):
             if name in LABELLED and job.labels is not None:
                 colours = job.labels.classes.colours if name == CLASSES else None
@@ -128,16 +131,7 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         if raw is not None and RAW in plan.mission.products:
             limits = [(0.0, float(raw.most_dn))] * len(raw.bands)
             write_picture(folder / RAW, "tif", raw.values, job.place, description, raw.bands, limits, job.write)
-    if job.bands == RGB:
-        size_bytes = write_picture(job.folder, job.image_format, picture, job.place, description, write=job.write)
-        bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
-    else:
-        bands, ranges = _bands_as_written(job)
-        picture = picture.reshape(*picture.shape[:2], -1)
-        size_bytes = write_picture(
-            job.folder, job.image_format, picture, job.place, description, bands, ranges, job.write
-        )
-        bits = entropy(shown_in_8_bits(picture, bands, ranges))
+    bits, size_bytes = _write_image(replace(job, description=description), picture)
     return Outcome(
         description.map_type,
         description.name,
@@ -147,7 +141,36 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         facade_share=facades,
         size_bytes=size_bytes,
         facts=facts,
+        clean=clean,
     )
+
+
+def _write_clean(
+    job: PictureJob, picture: PixelValues, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]
+) -> tuple[float, int]:
+    """Write a picture as it is before light has effects, without motion blur, under the same name; see `_write_image`.
+
+    Its pixels show the same places, so the products are those of both.
+    """
+    if isinstance(job.shot, Shot) and len(job.shot.instants) > 1:
+        picture, *_ = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands, sharp=True)
+    map_type = clean_type(job.description.map_type)
+    description = replace(job.description, map_type=map_type)
+    return _write_image(replace(job, folder=job.folder.parent / map_type, description=description), picture)
+
+
+def _write_image(job: PictureJob, picture: PixelValues) -> tuple[float, int]:
+    """Write a picture as an image; returns its entropy and the size of its files in bytes."""
+    picture = resized(picture, job.img_size, job.bands)
+    if job.bands == RGB:
+        size_bytes = write_picture(job.folder, job.image_format, picture, job.place, job.description, write=job.write)
+        return entropy(picture[..., :3] if picture.ndim > 2 else picture), size_bytes
+    bands, ranges = _bands_as_written(job)
+    picture = picture.reshape(*picture.shape[:2], -1)
+    size_bytes = write_picture(
+        job.folder, job.image_format, picture, job.place, job.description, bands, ranges, job.write
+    )
+    return entropy(shown_in_8_bits(picture, bands, ranges)), size_bytes
 
 
 def stated_fact(value: float | str) -> str:
@@ -228,6 +251,7 @@ def image_job(
         write,
         labels,
         Development.of(plan, index),
+        mission.varied.keep_clean,
     )
 
 

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE
+from ..dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE, clean_type
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message
 from ..imagery.opening import NamedSource
@@ -246,8 +246,16 @@ class CaptureRun:
                 other_columns(folder / TABLE_FILE),
                 in_shards=self._journal.in_shards,
             )
+            if self._plan.mission.varied.keep_clean and not self._journal.in_shards:
+                self._write_clean_table(map_type)
             self._journal.write_index(map_type)
         self._reporter.report(self._progress, at_once=True)
+
+    def _write_clean_table(self, map_type: str) -> None:
+        """Write the table of the images of a map type without effects."""
+        folder = self._journal.root / clean_type(map_type)
+        outcomes = {name: one.of_clean() for name, one in self._known[map_type].items()}
+        write_tables(folder, self._plan, self._source, outcomes, other_columns(folder / TABLE_FILE))
 
     def _note_repeats(self, map_type: str) -> None:
         """Note the images that show files sent for several places far apart."""

@@ -157,6 +157,11 @@ def deciding_folder(name: str, among: Mapping[str, Path]) -> str | None:
     return None if found == name else found
 
 
+def clean_type(map_type: str) -> str:
+    """Map type, and folder, of images of a map type without the effects of a real camera."""
+    return f"{map_type}_clean"
+
+
 def _ending(name: str) -> str:
     """Overlap at the end of a published folder's name, or an empty text."""
     start = name.rfind("_")

@@ -143,6 +143,7 @@ class Mission:
                 field="motion_blur",
                 remedy=Message("give one{0}", OptionName("exposure_ms").in_brackets),
             )
+        _check_varied(parts)
         if RAW in parts["output"].products:
             _check_raw(parts["sensor"], parts["output"])
         exposure = parts["exposure"].exposure
@@ -289,6 +290,22 @@ class Mission:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the mission to a file, completely or not at all."""
         write_whole(path, self.to_json().encode())
+
+
+def _check_varied(parts: Mapping[str, Any]) -> None:
+    """Refuse values of a field that do not go with the other fields of its part."""
+    for variation, value in parts["varied"].extremes():
+        with _refusing_variation(str(variation)):
+            replace(parts[_PART_OF[variation.field]], **{variation.field: value})
+
+
+@contextmanager
+def _refusing_variation(text: str) -> Iterator[None]:
+    """Raise InvalidInput that names the variation."""
+    try:
+        yield
+    except InvalidInput as wrong:
+        raise InvalidInput("vary {0!r}: {1}", text, wrong, field="vary") from wrong
 
 
 def _check_raw(sensor: ImageSensor, output: Output) -> None:

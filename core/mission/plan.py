@@ -221,7 +221,7 @@ class Plan:
         varied = self.mission.varied
         if not varied.of_camera:
             return self.mission
-        return self.mission.replace(**varied.draw(self.mission.imagery.seed, self.names[index]))
+        return self.mission.replace(vary=(), **varied.draw(self.mission.imagery.seed, self.names[index]))
 
     @cached_property
     def views(self) -> CameraViews:

@@ -55,8 +55,7 @@ class Development:
     @classmethod
     def of(cls, plan: Plan, index: int) -> Development | None:
         """The way of a capture's picture; None for an ideal camera."""
-        mission = plan.settings(index)
-        return cls(plan, index) if mission.varied.vary or effects(mission) else None
+        return cls(plan, index) if plan.mission.varied.vary or effects(plan.mission) else None
 
     def develop(
         self, pixels: PixelValues, shot: MapShot | Shot, colours: int

@@ -190,9 +190,11 @@ class Shot:
         """Resampling kernel."""
         return self.plan.mission.accuracy.resampling
 
-    def draw(self, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands) -> PixelValues:
-        """Draw the picture: the mean, in linear light, of its instants."""
-        if len(self.instants) == 1:
+    def draw(
+        self, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands, *, sharp: bool = False
+    ) -> PixelValues:
+        """Draw the picture: the mean, in linear light, of its instants; if ``sharp``, the middle one alone."""
+        if sharp or len(self.instants) == 1:
             return _stacked([take.draw(parts, pixels, bands) for take in self.middle])
         height, width = (int(size) for size in self.plan.views.size_px(self.index)[::-1])
         total, count = np.zeros((height, width, len(bands)), np.float32), np.zeros((height, width, 1), np.float32)
@@ -260,6 +262,7 @@ def draw(
     *,
     masked: bool = False,
     bands: Bands = RGB,
+    sharp: bool = False,
 ) -> Picture:
     """Draw a picture from its parts.
 
@@ -273,6 +276,8 @@ def draw(
         Add a mask to a camera frame, 0 where the picture shows nothing.
     bands : Bands
         Bands of the source.
+    sharp : bool
+        Leave out the blur by the camera's motion.
 
     Raises
     ------
@@ -281,7 +286,7 @@ def draw(
     """
     if isinstance(shot, MapShot):
         return Picture(turned(assemble(shot.window, parts, pixels, bands), shot.quarter_turns))
-    picture = shot.draw(parts, pixels, bands)
+    picture = shot.draw(parts, pixels, bands, sharp=sharp)
     if masked:
         hidden = shot.hidden
         shown = np.ones(picture.shape[:2], bool) if hidden is None else ~hidden

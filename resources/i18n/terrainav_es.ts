@@ -8381,6 +8381,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
+        <source>lens that distorts: benchmarks state only focal lengths, and need a lens without distortion</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
         <source>margin {0} m: must be 0 or more</source>
         <translation>margen {0} m: debe ser 0 o más</translation>
     </message>
@@ -8607,6 +8612,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/camera/varying.py"/>
+        <location filename="../../core/mission/mission.py"/>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: {1}</source>
         <translation>vary {0!r}: {1}</translation>
@@ -9899,6 +9905,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/exports/localisers.py"/>
         <source>format {0!r}: must be one of {1}</source>
         <translation>formato {0!r}: debe ser uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/formats.py"/>
+        <source>lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/exports/huggingface.py"/>
@@ -14181,6 +14192,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <source>the lens distorts images, which windows of a map do not</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
         <source>the mesh's bound of {0} px fits</source>
         <translation>la cota de la malla, {0} px, cabe</translation>
     </message>
@@ -15871,8 +15887,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
-        <source>also write each image without the effects of a real camera, under the same name into a folder of the map type with _clean after its name</source>
-        <translation>escribir también cada imagen sin los efectos de una cámara real, con el mismo nombre, en una carpeta del tipo de mapa con _clean tras su nombre</translation>
+        <source>also write each image without noise, blur and other effects on light, under the same name into the folder of its map type with _clean appended</source>
+        <translation>escribir también cada imagen sin ruido, desenfoque ni otros efectos sobre la luz, con el mismo nombre, en la carpeta de su tipo de mapa con _clean añadido</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>

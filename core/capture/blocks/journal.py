@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ...dataset.folder import JOURNAL_FILE
+from ...dataset.folder import JOURNAL_FILE, clean_type
 from ...errors import InvalidInput, Message, OutputError
 from ...imagery.placeholder import Placeholder, noted_digests
 from ...limits import MAX_RECORD_BYTES, MAX_SETTINGS_BYTES
@@ -101,6 +101,7 @@ class BlockJournal(CaptureJournal):
         wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(len(self._divided))}
         numbers = [number for number, name in wanted.items() if name in existing]
         sizes = file_sizes(self.root / map_type)
+        clean_sizes = file_sizes(self.root / clean_type(map_type)) if self._plan.mission.varied.keep_clean else None
         paths = [self.root / BLOCKS_FOLDER / wanted[number] for number in numbers]
         read = zip(numbers, read_each(paths, MAX_RECORD_BYTES))
         records = {number: Record.from_bytes(data or b"") for number, data in read}
@@ -110,17 +111,29 @@ class BlockJournal(CaptureJournal):
             for number, record in records.items()
             if record is not None
             and record.matches(map_type, [names[index] for index in self._divided[number].tolist()])
-            and self._is_whole(map_type, number, record, sizes)
+            and self._is_whole(map_type, number, record, sizes, clean_sizes)
         }
 
-    def _is_whole(self, map_type: str, number: int, record: Record, sizes: Mapping[str, int]) -> bool:
+    def _is_whole(
+        self,
+        map_type: str,
+        number: int,
+        record: Record,
+        sizes: Mapping[str, int],
+        clean_sizes: Mapping[str, int] | None,
+    ) -> bool:
         """Whether the files of a block still have the sizes that its record states, and hold its images."""
         shard = shard_name(map_type, number) if self.in_shards else ""
         if not record.fits(shard):
             return False
         if shard and record.shard_bytes:
             return sizes.get(shard) == record.shard_bytes
-        return all(is_complete(one, self._endings, sizes) for one in record.outcomes.values() if one.status != FAILED)
+        made = [one for one in record.outcomes.values() if one.status != FAILED]
+        return all(
+            is_complete(one, self._endings, sizes)
+            and (clean_sizes is None or is_complete(one.of_clean(), self._endings, clean_sizes))
+            for one in made
+        )
 
     def take(self, piece: Piece, record: Record) -> None:
         """Take the record of a block that was made or given up."""

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ...dataset.folder import clean_type
 from ...dataset.table import TEXT, TIME, Table, json_cell, written_columns
 
 #: File of the index of a map type's shards, for the library ``wids``.
@@ -92,6 +93,7 @@ class Gathered:
         """Other files of an image: its sidecar files and products."""
         endings = (".jgw", ".pgw", f"{file_name[len(name) :]}.aux.xml")
         wanted = [(map_type, name + ending) for ending in endings]
+        wanted += [(clean_type(map_type), name + ending) for ending in (file_name[len(name) :], *endings)]
         # Labels are TIFF or PNG, the latter with sidecar files.
         of_labels = (".tif", ".png", ".pgw", ".png.aux.xml")
         wanted += [(product, name + ending) for product in products for ending in of_labels]

@@ -9,6 +9,7 @@ from ...errors import InvalidInput
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid
 from ..mission import Mission
+from ..parts.varied import place_of_pose
 
 
 def vary_poses(mission: Mission, column: Numbers, row: Numbers, poses: Poses, ground: Ellipsoid) -> Poses:
@@ -23,8 +24,8 @@ def vary_poses(mission: Mission, column: Numbers, row: Numbers, poses: Poses, gr
         A camera would be on the ground or below it.
     """
     varied, seed = mission.varied, mission.imagery.seed
-    drawn = [varied.draw_pose(seed, *place) for place in zip(column.tolist(), row.tolist())]
-    values = {one.field: np.array([values[one.field] for values in drawn]) for one in varied.of_poses}
+    places = [place_of_pose(*place) for place in zip(column.tolist(), row.tolist())]
+    values = {one.field: np.array([one.draw(seed, place) for place in places]) for one in varied.of_poses}
     moved = _moved(poses, values.pop("east_m", 0.0), values.pop("north_m", 0.0), ground)
     usual = {"agl_m": mission.flight.agl_m, **_angles(mission)}
     changed = {name: getattr(moved, name) + (drawn - usual[name]) for name, drawn in values.items()}

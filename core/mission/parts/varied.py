@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 from ...camera.varying import Variation
 from ...errors import InvalidInput, Message
 from ...fields import CheckedFields, Field, declared, declared_fields, field_named
-from .flown import Attitude, Flight
+from .flown import Attitude, Flight, Route
+from .sensor import ImageSensor
+from .shutter import Shutter
 
 
 @dataclass(frozen=True)
@@ -37,14 +39,14 @@ _OF_POSES = {
     **{name: field_named(Attitude, name) for name in ("yaw_deg", "tilt_deg", "roll_deg")},
 }
 #: Parts all of whose numbers may vary.
-_PARTS: tuple[type[CheckedFields], ...] = ()
+_PARTS: tuple[type[CheckedFields], ...] = (Shutter, ImageSensor)
 
 
 @lru_cache(maxsize=1)
 def variable_fields() -> dict[str, Field]:
     """Fields that may vary from image to image, by name: of poses, light and camera."""
     numbers = (one for part in _PARTS for one in declared_fields(part) if one.kind in (float, int))
-    return {**_OF_POSES, **{one.name: one for one in numbers}}
+    return {**_OF_POSES, "exposure_ms": field_named(Route, "exposure_ms"), **{one.name: one for one in numbers}}
 
 
 def _check_vary(texts: tuple[Any, ...]) -> None:
@@ -90,9 +92,23 @@ def _check_ends(text: str, variation: Variation, field: Field) -> None:
         raise InvalidInput("vary {0!r}: {1}", text, wrong.message, field="vary") from wrong
 
 
+def place_of_pose(column: int, row: int) -> str:
+    """Beginning of an image's name, by which its pose is drawn: the rest of the name depends on the pose."""
+    return f"{column}_{row}"
+
+
 def _of_kind(field: Field, value: float) -> float | int:
     """Value as the field has it: a whole number is the nearest one."""
     return round(value) if field.kind is int else value
+
+
+def _drawn(field: Field, variation: Variation, seed: int, image: str) -> float | int:
+    """Value of a field for an image; of a uniform distribution, each whole number is as likely as any other."""
+    if field.kind is not int or variation.kind != "uniform":
+        return _of_kind(field, variation.draw(seed, image))
+    low, high = map(round, variation.parameters)
+    wide = replace(variation, parameters=(low - 0.5, high + 0.5))
+    return min(max(round(wide.draw(seed, image)), low), high)
 
 
 @dataclass(frozen=True)
@@ -112,8 +128,8 @@ class Varied(CheckedFields):
     keep_clean: bool = declared(
         False,
         title="keep clean images",
-        help="also write each image without the effects of a real camera, under the same name into a folder of the map "
-        "type with _clean after its name",
+        help="also write each image without noise, blur and other effects on light, under the same name into the "
+        "folder of its map type with _clean appended",
         advanced=True,
     )
 
@@ -132,17 +148,19 @@ class Varied(CheckedFields):
         """Whether an angle varies."""
         return any(one.field.endswith("_deg") for one in self.of_poses)
 
+    def extremes(self) -> Iterator[tuple[Variation, float]]:
+        """Yield the least and the greatest value of each field of camera and light."""
+        fields = variable_fields()
+        yield from ((one, _of_kind(fields[one.field], value)) for one in self.of_camera for value in one.extremes)
+
     def draw(self, seed: int, image: str) -> dict[str, float]:
         """Values of camera and light of an image, by field."""
         fields = variable_fields()
-        return {one.field: _of_kind(fields[one.field], one.draw(seed, image)) for one in self.of_camera}
+        return {one.field: _drawn(fields[one.field], one, seed, image) for one in self.of_camera}
 
     def draw_pose(self, seed: int, column: int, row: int) -> dict[str, float]:
-        """Values of a pose, by field.
-
-        Drawn by column and row, as the rest of an image's name depends on the pose.
-        """
-        return {one.field: one.draw(seed, f"{column}_{row}") for one in self.of_poses}
+        """Values of a pose, by field."""
+        return {one.field: one.draw(seed, place_of_pose(column, row)) for one in self.of_poses}
 
     def _variations(self, is_wanted: Callable[[str], bool]) -> tuple[Variation, ...]:
         found = map(Variation.from_text, self.vary)

@@ -7,13 +7,13 @@ import json
 import numpy as np
 import pytest
 from pyproj import Geod
+from terrainav.core.camera.varying import Variation
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid, wrap_lon_deg
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.export.writing import write_plan
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.parts.varied import variable_fields
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.settings import build_mission, resolve
 
@@ -147,19 +147,51 @@ def test_preview_estimate_and_files_show_the_poses_that_are_flown(tmp_path):
     assert made.coverage.share < planned(area=Box(47.402, 8.50, 47.40, 8.503)).coverage.share == 1.0
 
 
-def test_whole_numbers_are_drawn_whole(monkeypatch):
-    from terrainav.core.mission.parts import Varied, varied
-    from terrainav.core.mission.parts.pictures import Pixels
+SENSOR = {"image_sensor": "custom", "pixel_um": 3.0, "quantum_efficiency": 0.6, "full_well_e": 1e4}
 
-    monkeypatch.setattr(varied, "_PARTS", (Pixels,))
-    variable_fields.cache_clear()
-    try:
-        part = Varied(vary=("image_px=uniform(1,4)",))
-        drawn = [part.draw(0, str(image))["image_px"] for image in range(300)]
-        assert set(drawn) == {1, 2, 3, 4}
-        assert all(type(value) is int for value in drawn)
-    finally:
-        variable_fields.cache_clear()
+
+def test_values_of_the_camera_have_the_distributions_that_were_asked_for():
+    stats = pytest.importorskip("scipy.stats")
+    made = planned(
+        "exposure_ms=lognormal(4,0.5)", "prnu=triangular(0,0.01,0.02)", "read_noise_e=uniform(1,9)", **SENSOR
+    )
+    drawn = [made.drawn(index) for index in range(2000)]
+    for name, known in (
+        ("exposure_ms", stats.lognorm(0.5, scale=4.0)),
+        ("prnu", stats.triang(0.5, 0.0, 0.02)),
+        ("read_noise_e", stats.uniform(1.0, 8.0)),
+    ):
+        assert stats.kstest([values[name] for values in drawn], known.cdf).pvalue > 0.01
+
+
+def test_the_camera_of_an_image_has_its_values():
+    made = planned("exposure_ms=lognormal(4,0.5)", "read_noise_e=uniform(1,9)", "east_m=uniform(-1,1)", **SENSOR)
+    for index in (0, 7, 1000):
+        settings, drawn = made.settings(index), made.drawn(index)
+        assert set(drawn) == {"exposure_ms", "read_noise_e", "east_m"}
+        assert settings.route.exposure_ms == drawn["exposure_ms"]
+        assert settings.sensor.read_noise_e == settings.sensor.figures["read_noise_e"] == drawn["read_noise_e"]
+        assert settings.replace(exposure_ms=None, read_noise_e=None, vary=made.mission.varied.vary) == made.mission
+    assert made.drawn(0) != made.drawn(1)
+
+
+def test_values_are_drawn_by_seed_and_name_of_the_image():
+    made = planned("read_noise_e=uniform(1,9)", map_types=("satellite", "roadmap"), seed=5, **SENSOR)
+    variation = Variation.from_text("read_noise_e=uniform(1,9)")
+    drawn = [made.drawn(index) for index in range(50)]
+    assert [values["read_noise_e"] for values in drawn] == [variation.draw(5, name) for name in made.names[:50]]
+    part = made.part(np.arange(3, 40, 5))
+    assert [part.drawn(index) for index in range(len(part))] == drawn[3:40:5]
+
+
+def test_whole_numbers_are_drawn_whole():
+    made = planned("adc_bits=uniform(8,12)", **SENSOR)
+    drawn = [made.drawn(index)["adc_bits"] for index in range(2000)]
+    assert all(type(value) is int for value in drawn)
+    counts = np.bincount(drawn)[8:]
+    # Each of five is as likely: 400 of 2,000, with a deviation of 18.
+    assert np.abs(counts - 400).max() < 4 * 18
+    assert len(counts) == 5
 
 
 @pytest.mark.parametrize(
@@ -176,6 +208,11 @@ def test_whole_numbers_are_drawn_whole(monkeypatch):
         (("agl_m",), "must be as exposure_ms=lognormal(4,0.5)"),
         ((4.0,), "must be text"),
         (("agl_m=choice(100,1e10)",), "at most"),
+        (("fov_deg=uniform(60,80)",), "fov_deg is none of the numbers that may vary"),
+        (("exposure_ms=normal(4,1)",), "has no bounds, and exposure time must be above 0"),
+        (("exposure_ms=lognormal(9000,0.5)",), "must be at most 10000"),
+        (("row_time_us=lognormal(10,1)",), "has no bounds, and row time must be from 0 to 10000"),
+        (("read_noise_e=uniform(1,9)",), "needs an image sensor; name one"),
     ],
 )
 def test_what_cannot_vary_is_refused_in_one_line(texts, why):
