@@ -37,6 +37,7 @@ _ENTERED = (
     "clearance",
     "holes",
     "labels",
+    "exposure",
 )
 
 

@@ -26,6 +26,7 @@ from .flight.pilot import (
     speed_limits,
 )
 from .methods import ChosenMethods
+from .parts import IDEAL
 from .plan import Plan
 
 #: Most pixels of an orthomosaic that QGIS makes after a capture.
@@ -390,6 +391,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
             *upsampling_warnings(plan),
             *interval_warnings(plan),
             *building_warnings(plan),
+            *variation_warnings(plan),
         ),
         **relief,
         **_flight_figures(plan),
@@ -543,6 +545,24 @@ def building_warnings(plan: Plan) -> tuple[str, ...]:
     # Level ground without buildings in any image has no heights.
     stand = plan.mission.terrain.buildings and not plan.relief.is_level
     return plan.relief.heights.faces.warnings if stand else ()
+
+
+def variation_warnings(plan: Plan) -> tuple[str, ...]:
+    """Warn of values that vary, but change no image as the exposure is that of the imagery."""
+    mission = plan.mission
+    if mission.exposure.exposure != IDEAL:
+        return ()
+    unused = {"iso", "illuminance_lx", *(() if mission.shutter.motion_blur else ("exposure_ms",))}
+    return tuple(
+        Message(
+            "vary {0!r}: changes no image while the exposure is {1}; choose another one{2}",
+            str(one),
+            IDEAL,
+            OptionName("exposure").in_brackets,
+        )
+        for one in mission.varied.of_camera
+        if one.field in unused
+    )
 
 
 def upsampling_warnings(plan: Plan) -> tuple[str, ...]:

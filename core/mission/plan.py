@@ -450,9 +450,10 @@ def _check_exposure(plan: Plan) -> None:
 
     Captures at one place and time are no flight.
     """
-    exposure, exposure_ms = plan.mission.exposure, plan.mission.route.exposure_ms
-    if exposure.exposure == BY_TIME:
-        exposure_ms = exposure.longest_exposure_ms
+    mission, is_by_time = plan.mission, plan.mission.exposure.exposure == BY_TIME
+    field = "longest_exposure_ms" if is_by_time else "exposure_ms"
+    stated_ms = mission.exposure.longest_exposure_ms if is_by_time else mission.route.exposure_ms
+    exposure_ms = mission.varied.greatest(field, stated_ms)
     between_s = np.diff(plan.times_s)
     between_s = between_s[between_s > 0.0]
     if exposure_ms is None or not len(between_s) or exposure_ms / 1000.0 <= between_s.min():
@@ -462,7 +463,7 @@ def _check_exposure(plan: Plan) -> None:
         exposure_ms,
         1000.0 * float(between_s.min()),
         remedy="fly slower, overlap less or shorten the exposure",
-        field="longest_exposure_ms" if exposure.exposure == BY_TIME else "exposure_ms",
+        field=field,
     )
 
 

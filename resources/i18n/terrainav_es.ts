@@ -12882,6 +12882,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>vary {0!r}: changes no image while the exposure is {1}; choose another one{2}</source>
+        <translation>vary {0!r}: no cambia ninguna imagen mientras la exposición sea {1}; elija otra{2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>warning</source>
         <translation>aviso</translation>
     </message>

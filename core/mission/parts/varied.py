@@ -10,7 +10,10 @@ from typing import Any
 from ...camera.varying import Variation
 from ...errors import InvalidInput, Message
 from ...fields import CheckedFields, Field, declared, declared_fields, field_named
+from .air import Air
+from .exposure import ExposureControl
 from .flown import Attitude, Flight, Route
+from .optics import CameraOptics
 from .sensor import ImageSensor
 from .shutter import Shutter
 
@@ -39,7 +42,7 @@ _OF_POSES = {
     **{name: field_named(Attitude, name) for name in ("yaw_deg", "tilt_deg", "roll_deg")},
 }
 #: Parts all of whose numbers may vary.
-_PARTS: tuple[type[CheckedFields], ...] = (Shutter, ImageSensor)
+_PARTS: tuple[type[CheckedFields], ...] = (Air, CameraOptics, ExposureControl, Shutter, ImageSensor)
 
 
 @lru_cache(maxsize=1)
@@ -147,6 +150,10 @@ class Varied(CheckedFields):
     def turns_images(self) -> bool:
         """Whether an angle varies."""
         return any(one.field.endswith("_deg") for one in self.of_poses)
+
+    def greatest(self, field: str, otherwise: float | None) -> float | None:
+        """Greatest value that a field has in an image; ``otherwise``, the mission's, if it does not vary."""
+        return next((one.extremes[1] for one in self.of_camera if one.field == field), otherwise)
 
     def extremes(self) -> Iterator[tuple[Variation, float]]:
         """Yield the least and the greatest value of each field of camera and light."""

@@ -175,6 +175,27 @@ def test_the_camera_of_an_image_has_its_values():
     assert made.drawn(0) != made.drawn(1)
 
 
+def test_values_of_light_go_to_its_effects():
+    from terrainav.core.picture.effects import effects
+
+    texts = ("white_balance_k=uniform(4500,7500)", "iso=choice(100,400)", "visibility_km=loguniform(5,50)")
+    made = planned(*texts, exposure="manual", exposure_ms=4.0)
+    for index in range(3):
+        drawn, chain = made.drawn(index), effects(made.settings(index))
+        haze, exposed, balance = chain
+        assert haze.visibility_km == drawn["visibility_km"]
+        assert exposed.control.iso == drawn["iso"]
+        assert balance.temperature_k == drawn["white_balance_k"]
+    assert effects(made.mission) != chain
+
+
+def test_the_longest_exposure_that_may_be_drawn_ends_before_the_next_image():
+    kept = {"exposure": "manual", "exposure_ms": 4.0, "area": Box(47.41, 8.50, 47.405, 8.51)}
+    assert len(planned("exposure_ms=lognormal(4,0.5)", **kept))
+    with pytest.raises(InvalidInput, match="exposure time 9999.9.* ms: longer than"):
+        planned("exposure_ms=uniform(1,9999.99)", **kept)
+
+
 def test_values_are_drawn_by_seed_and_name_of_the_image():
     made = planned("read_noise_e=uniform(1,9)", map_types=("satellite", "roadmap"), seed=5, **SENSOR)
     variation = Variation.from_text("read_noise_e=uniform(1,9)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box, Points
+from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
@@ -21,6 +22,21 @@ def vary(text: str) -> Mission:
 def _without_bounds(case: Case) -> None:
     case.refused(lambda: vary("agl_m=normal(100,20)"))
     case.follow("add bounds, such as within(1,2)", lambda: vary("agl_m=normal(100,20)within(60,140)"))
+
+
+@remedy(
+    "mission/estimate.py",
+    "vary {}: changes no image while the exposure is {}; choose another one (--exposure)",
+)
+def _ideal_exposure(case: Case) -> None:
+    def warnings(**options: str) -> tuple[str, ...]:
+        mission = vary("exposure_ms=uniform(1,2)").replace(exposure_ms=1.0, **options)
+        return estimate(plan(mission, PixelGrid())).warnings
+
+    (warning,) = warnings()
+    case.says(warning)
+    case.follow("choose another one (--exposure)", lambda: warnings(exposure="manual"))
+    assert warnings(exposure="manual") == ()
 
 
 @remedy(
