@@ -6,7 +6,8 @@ r"""What the reference program of EMVA 1288 finds in images of TerrAInav's senso
 
 The first command captures even rasters, white and black, with each of `SENSORS`: two images of each at 50 exposure
 times up to saturation, and 32 of each at half of it. The second gives the files to ``emva1288``, the program of the
-standard's committee, and compares what it finds with the figures that the sensor was given. Photons are computed here
+standard's committee, and compares what it finds with the figures that the sensor was given. A Bayer pattern makes the
+raw values one band; all colours of the rasters are alike. Photons are computed here
 from the light of the scene, by the formulas of docs/realism.md and not by those of the program.
 """
 
@@ -44,7 +45,9 @@ SENSORS = {
 }
 #: Lux seconds of a white diffuser in an exposure of a millisecond.
 LX_S_PER_MS = 0.65 * ILLUMINANCE_LX / math.pi / F_NUMBER**2 / 1000.0
-POSES = tuple((48.1494 + 1e-7 * at, 11.5565, 100.0) for at in range(STACK))
+#: Height at which images have the rasters' ground sample distance, and 640 px.
+AGL_M = 173.2
+POSES = tuple((48.1490 + 2e-5 * at, 11.5565, AGL_M) for at in range(STACK))
 #: Greatest errors in percent.
 ALLOWED = {"K": 1.0, "QE": 1.0, "dark noise": 1.0, "PRNU": 1.0, "DSNU": 3.0}
 
@@ -65,10 +68,10 @@ def capture_flats(folder: Path) -> None:
     system = osr.SpatialReference()
     system.ImportFromEPSG(32632)
     for name, value in (("white", 255), ("black", 0)):
-        raster = gdal.GetDriverByName("GTiff").Create(str(folder / f"{name}.tif"), 2000, 2000)
+        raster = gdal.GetDriverByName("GTiff").Create(str(folder / f"{name}.tif"), 4000, 4000)
         raster.SetProjection(system.ExportToWkt())
-        raster.SetGeoTransform((690_000.0, 0.25, 0.0, 5_336_000.0, 0.0, -0.25))
-        raster.GetRasterBand(1).WriteArray(np.full((2000, 2000), value, np.uint8))
+        raster.SetGeoTransform((689_600.0, 0.25, 0.0, 5_336_500.0, 0.0, -0.25))
+        raster.GetRasterBand(1).WriteArray(np.full((4000, 4000), value, np.uint8))
         raster.FlushCache()
     sources = {name: open_source(str(folder / f"{name}.tif")) for name in ("white", "black")}
 
@@ -96,10 +99,12 @@ def _capture_sensor(folder: Path, sensor: str, figures: dict[str, object], sourc
     def images(exposure_ms: float, name: str, count: int) -> list[str]:
         mission = Mission(
             Points(POSES[:count]),
-            100.0,
+            AGL_M,
             Camera(60.0, 4.0 / 3.0),
             exposure_ms=exposure_ms,
             products=("raw",),
+            frame="camera",
+            bayer="rggb",
             **settings,
         )
         out = Path(sensor) / f"{exposure_ms:.6f}-{name}-{count}"

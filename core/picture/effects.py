@@ -12,11 +12,11 @@ from ..bands import Bands
 from ..camera.light import SRGB, bytes_of_linear, linear_of_bytes
 from ..errors import InvalidInput
 from ..mission.mission import Mission
-from ..mission.parts import IDEAL, NO_BAYER, NO_VIGNETTING
+from ..mission.parts import IDEAL, NO_VIGNETTING
 from ..mission.plan import Plan
 from .photometry import ExposedImage, Haze, ToneCurve, Vignetting, WhiteBalance
 from .scene import Light, PictureScene, RawValues
-from .sensor import SensorReadout
+from .sensor import SensorReadout, check_sensor
 from .shot import MapShot, Shot
 
 #: What is stated of the effects on an image, by the name of the table's column.
@@ -86,17 +86,5 @@ def check_bands(mission: Mission, bands: Bands) -> None:
             bands,
             field="source",
         )
-    if mission.sensor.bayer != NO_BAYER and len(bands) != 3:
-        raise InvalidInput(
-            "colour filters {0}: need red, green and blue, and the source gives {1}",
-            mission.sensor.bayer,
-            bands,
-            field="bayer",
-        )
-    if mission.exposure.white_balance_k is not None and len(bands) != 3:
-        raise InvalidInput(
-            "white balance {0:g} K: needs red, green and blue, and the source gives {1}",
-            mission.exposure.white_balance_k,
-            bands,
-            field="white_balance_k",
-        )
+    if mission.sensor.image_sensor:
+        check_sensor(mission, bands)

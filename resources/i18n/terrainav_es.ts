@@ -16254,18 +16254,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/picture/effects.py"/>
-        <source>colour filters {0}: need red, green and blue, and the source gives {1}</source>
-        <translation>filtros de color {0}: necesitan rojo, verde y azul, y la fuente da {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/picture/effects.py"/>
         <source>effects of a real camera: need grey, or red, green and blue of 8 bits, and the source gives {0}</source>
         <translation>efectos de una cámara real: necesitan gris, o rojo, verde y azul de 8 bits, y la fuente da {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/picture/effects.py"/>
-        <source>white balance {0:g} K: needs red, green and blue, and the source gives {1}</source>
-        <translation>balance de blancos {0:g} K: necesita rojo, verde y azul, y la fuente da {1}</translation>
     </message>
     <message>
         <location filename="../../core/picture/heights.py"/>
@@ -16292,6 +16282,21 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/picture/map_frame.py"/>
         <source>part at {0}, {1} px has shape {2} of {3}: {4} of {5} was asked for</source>
         <translation>la parte en {0}, {1} px tiene la forma {2} de {3}: se pidió {4} de {5}</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/sensor.py"/>
+        <source>colour filters {0}: need red, green and blue, and the source gives {1}</source>
+        <translation>filtros de color {0}: necesitan rojo, verde y azul, y la fuente da {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/sensor.py"/>
+        <source>give {0} or more</source>
+        <translation>indique {0} o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/sensor.py"/>
+        <source>sensitivity ISO {0:g}: below that of the image sensor</source>
+        <translation>sensibilidad ISO {0:g}: menor que la del sensor de imagen</translation>
     </message>
     <message>
         <location filename="../../core/poses/gpx.py"/>

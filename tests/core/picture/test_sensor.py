@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from osgeo import gdal
 from PIL import Image
+from scipy import constants
 from terrainav.core.bands import Bands
 from terrainav.core.camera.bayer import mosaic
 from terrainav.core.camera.light import linear_of_bytes
@@ -17,7 +20,8 @@ from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.effects import check_bands
+from terrainav.core.picture.effects import Development, check_bands
+from terrainav.core.picture.shot import make_shot
 
 ALVIUM = "Allied Vision Alvium 1800 C-507m"
 FRAMOS = "FRAMOS IMX900 low gain"
@@ -95,3 +99,58 @@ def test_bayer_patterns_need_colours():
     with pytest.raises(InvalidInput, match="colour filters rggb: need red, green and blue, and the source gives grey"):
         check_bands(mission, Bands(("grey",), "uint8", (0,)))
     check_bands(mission_of(image_sensor=ALVIUM), Bands(("grey",), "uint8", (0,)))
+
+
+def exposed(folder, iso, exposure_ms, **values):
+    """Values of an even image under a sensor without patterns, and its facts."""
+    mission = mission_of(
+        POSES[:1],
+        image_sensor=ALVIUM,
+        products=("raw",),
+        exposure="manual",
+        exposure_ms=exposure_ms,
+        iso=iso,
+        f_number=8.0,
+        illuminance_lx=50_000.0,
+        **values,
+    )
+    made = plan(mission, named_source("world").open().grid)
+    white = np.full((96, 128, 3), 255, np.uint8)
+    development = Development.of(made, 0)
+    pixels, facts, raw = development.develop(white, make_shot(made, 0), 3)
+    return pixels, dict(facts), raw.values.astype(np.float64)
+
+
+def test_exposed_light_gives_the_electrons_of_the_formula(tmp_path):
+    # White reflects all light: 0.65 E/pi t/N² lux seconds on the sensor.
+    lux_seconds = 0.65 * 50_000.0 / math.pi / 64.0 * 0.5e-3
+    photons = lux_seconds / 683.0 / (constants.h * constants.c / 555e-9) * (3.45e-6) ** 2
+    electrons = 0.64 * photons
+    assert 2_000.0 < electrons < 5_000.0
+    lowest = 78.0 / (10_400.0 / (electrons / lux_seconds))
+    for iso in (lowest, 2.0 * lowest):
+        pixels, facts, raw = exposed(tmp_path, iso, 0.5)
+        gain = 4095.0 / 10_400.0 * iso / lowest
+        assert facts["gain_dn_per_e"] == pytest.approx(gain, rel=1e-6)
+        sigma = math.sqrt(electrons / raw.size)
+        assert raw.mean() / gain == pytest.approx(electrons, abs=5.0 * sigma)
+        noise = gain**2 * (electrons + 2.1**2) + 1.0 / 12.0
+        assert raw.var() == pytest.approx(noise, rel=5.0 * math.sqrt(2.0 / raw.size))
+        # 78/S lux seconds are white.
+        share = lux_seconds * iso / 78.0
+        assert linear_of_bytes(pixels).mean() == pytest.approx(share, rel=0.01)
+
+
+def test_more_light_than_a_sensor_holds_is_white(tmp_path):
+    pixels, facts, raw = exposed(tmp_path, 234.0, 5.0)
+    assert facts["saturated_share"] == 1.0
+    assert (pixels == 255).all()
+    assert (raw == 4095.0).all()
+
+
+def test_speeds_below_the_sensors_are_refused():
+    mission = mission_of(image_sensor=ALVIUM, exposure="time", iso=100.0)
+    with pytest.raises(InvalidInput, match=r"sensitivity ISO 100: below that of the image sensor; give 234 or more"):
+        check_bands(mission, Bands(("red", "green", "blue")))
+    check_bands(mission.replace(iso=234.0), Bands(("red", "green", "blue")))
+    check_bands(mission_of(image_sensor=ALVIUM, iso=100.0), Bands(("red", "green", "blue")))

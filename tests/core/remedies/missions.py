@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from terrainav.core.bands import RGB
 from terrainav.core.geodesy.mercator import PixelGrid, extent_of_box
 from terrainav.core.mission import cameras, settings
 from terrainav.core.mission.areas import coords
@@ -22,6 +23,7 @@ from terrainav.core.mission.flight.joined import join_plans
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.pose_table import read_poses
+from terrainav.core.picture.sensor import check_sensor
 
 from tests.core.mission.wpml_reader import Wpml
 from tests.core.remedies.files import extra_brings
@@ -472,3 +474,13 @@ def _no_raw(case: Case) -> None:
     case.refused(lambda: Mission(AREA, 120.0, products=("raw",)))
     named = {"image_sensor": "Alvium 1800 C-507m"}
     case.follow("name one (--image-sensor)", lambda: Mission(AREA, 120.0, products=("raw",), **named))
+
+
+@remedy("picture/sensor.py", "sensitivity ISO {}: below that of the image sensor; give {} or more")
+def _too_low_speed(case: Case) -> None:
+    def check(iso: float) -> None:
+        mission = Mission(AREA, 120.0, image_sensor="Alvium 1800 C-507m", exposure="time", iso=iso)
+        check_sensor(mission, RGB)
+
+    case.refused(lambda: check(100.0))
+    case.follow("give 234 or more", lambda: check(234.0))
