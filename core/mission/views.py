@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Floats, NDArray
 from ..errors import InvalidInput
 from ..geodesy.accuracy import ImageGeometry
-from ..geodesy.camera import Poses
+from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, ImagePoints, Outline, outline, poles_seen
 from ..geodesy.frames import plane_runs
@@ -110,12 +110,19 @@ class CameraViews:
         pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
         return self.relief.seen(pose, self.height_m[index : index + 1], points)
 
-    def view(self, index: int, *, rows: tuple[int, int] | None = None, pose: Poses | None = None) -> View:
+    def view(
+        self,
+        index: int,
+        *,
+        rows: tuple[int, int] | None = None,
+        pose: Poses | None = None,
+        camera: Camera | None = None,
+    ) -> View:
         """View that makes the picture of a camera frame; captures of one row share it.
 
         Parameters
         ----------
-        rows, pose
+        rows, pose, camera
             As in `tracing`.
 
         Raises
@@ -124,12 +131,12 @@ class CameraViews:
             A map frame, which has no view.
         """
         if not self.relief.is_level:
-            return self.traced_view(self.tracing(index, rows=rows, pose=pose))
-        if rows is None and pose is None:
+            return self.traced_view(self.tracing(index, rows=rows, pose=pose, camera=camera))
+        if rows is None and pose is None and camera is None:
             return self._level_view(index)
         self._check_camera_frame()
         flown = self.poses.take(slice(index, index + 1)) if pose is None else pose
-        scene = ImageGeometry(self.mission.camera, *self.size_px(index), flown, self.ground)
+        scene = ImageGeometry(camera or self.mission.camera, *self.size_px(index), flown, self.ground)
         return self._view_of_level(scene, self.tolerance_px, rows)
 
     def traced_view(self, tracing: Tracing) -> View:
@@ -151,6 +158,7 @@ class CameraViews:
         *,
         rows: tuple[int, int] | None = None,
         pose: Poses | None = None,
+        camera: Camera | None = None,
     ) -> Tracing:
         """Trace the rays of a capture to the relief, for its picture or one of another size.
 
@@ -161,6 +169,8 @@ class CameraViews:
         pose : Poses, or None
             One pose to look from instead of the capture's own; its ``agl_m`` counts from the ground that the capture's
             counts from, so that it differs as the heights of the cameras do.
+        camera : Camera, or None
+            Camera to look with instead of the mission's, such as that of one colour.
 
         Raises
         ------
@@ -174,7 +184,7 @@ class CameraViews:
         if pose is not None:
             height_m += float(pose.agl_m[0]) - float(flown.agl_m[0])
             flown = pose
-        scene = ImageGeometry(self.mission.camera, *size, flown, self.ground)
+        scene = ImageGeometry(camera or self.mission.camera, *size, flown, self.ground)
         # Share of the tolerance for the rounding of the camera's pose.
         settling = 2.0**-7
         return Tracing(

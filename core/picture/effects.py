@@ -80,6 +80,12 @@ class Development:
 
 def check_bands(mission: Mission, bands: Bands) -> None:
     """Raise InvalidInput if a mission asks for effects on bands that are not colours of 8 bits."""
+    if mission.camera.splits_colours and not (bands.are_colours and len(bands) == 3):
+        raise InvalidInput(
+            "lens with a scale of red or blue: needs red, green and blue of 8 bits, and the source gives {0}",
+            bands,
+            field="source",
+        )
     if (effects(mission) or mission.shutter.motion_blur) and not bands.are_colours:
         raise InvalidInput(
             "effects of a real camera: need grey, or red, green and blue of 8 bits, and the source gives {0}",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import NDArray, PixelValues
 from ..bands import RGB, Bands, full
 from ..camera.light import bytes_of_linear, linear_of_bytes
-from ..geodesy.camera import Poses
+from ..geodesy.camera import Camera, Poses
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
@@ -39,26 +39,41 @@ class Take:
         First row and the one after the last; None for all.
     pose : Poses or None
         The pose; None for that of the capture.
+    colour : str
+        The colour whose image the lens makes; empty for green, and for all that the lens does not split.
     """
 
     plan: Plan
     index: int
     rows: tuple[int, int] | None = None
     pose: Poses | None = None
+    colour: str = ""
+
+    @cached_property
+    def others(self) -> dict[int, Take]:
+        """Takes of red and blue by channel, if the lens splits colours."""
+        if self.colour or not self.plan.mission.camera.splits_colours:
+            return {}
+        return {channel: replace(self, colour=colour) for channel, colour in ((0, "red"), (2, "blue"))}
+
+    @property
+    def _camera(self) -> Camera | None:
+        """Camera of the colour; None for the mission's."""
+        return self.plan.mission.camera.of_colour(self.colour) if self.colour else None
 
     @cached_property
     def _tracing(self) -> Tracing | None:
         """Rays traced over relief; None over level ground."""
         if self.plan.relief.is_level:
             return None
-        return self.plan.views.tracing(self.index, rows=self.rows, pose=self.pose)
+        return self.plan.views.tracing(self.index, rows=self.rows, pose=self.pose, camera=self._camera)
 
     @cached_property
     def view(self) -> View:
         """View from which the rows are drawn."""
         views, tracing = self.plan.views, self._tracing
         if tracing is None:
-            return views.view(self.index, rows=self.rows, pose=self.pose)
+            return views.view(self.index, rows=self.rows, pose=self.pose, camera=self._camera)
         return views.traced_view(tracing)
 
     @cached_property
@@ -77,9 +92,18 @@ class Take:
         if with_sighting:
             _ = self.sighting
         self.__dict__.pop("_tracing", None)
+        for other in self.others.values():
+            other.trace(with_sighting=False)
+
+    @property
+    def tiles(self) -> set[tuple[int, int, int]]:
+        """Zoom, column (not wrapped) and row of each tile that the rows show."""
+        return set(self.view.tiles(self.lon_deg)).union(*(other.tiles for other in self.others.values()))
 
     def forget(self) -> None:
         """Forget what was traced; it is traced again on demand."""
+        for other in self.others.values():
+            other.forget()
         for name in ("_tracing", "view", "painted"):
             self.__dict__.pop(name, None)
 
@@ -94,6 +118,8 @@ class Take:
         picture = render(self.view, self.lon_deg, parts, pixels, kernel, bands)
         if self.painted is not None:
             paint(picture, self.painted, sun_enu(self.plan, self.index), bands)
+        for channel, other in self.others.items():
+            picture[..., channel] = other.draw(parts, pixels, bands)[..., channel]
         return picture
 
 
@@ -174,7 +200,7 @@ class Shot:
             is_middle = takes is self.middle
             for take in takes:
                 take.trace(with_sighting=with_sighting and is_middle)
-                tiles.update(take.view.tiles(take.lon_deg))
+                tiles.update(take.tiles)
                 if not (kept or is_middle):
                     take.forget()
         return sorted(tiles)
@@ -183,7 +209,7 @@ class Shot:
     def tiles(self) -> list[tuple[int, int, int]]:
         """Zoom, column (not wrapped) and row of each tile that the picture shows."""
         takes = [take for takes in self.instants for take in takes]
-        return sorted(set().union(*(take.view.tiles(take.lon_deg) for take in takes)))
+        return sorted(set().union(*(take.tiles for take in takes)))
 
     @property
     def kernel(self) -> str:
