@@ -25,6 +25,7 @@ In reading order:
 - `rectangles`: the largest rectangles inside the ground that cameras see
 - `interpolation`: polynomials along the sides of images
 - `accuracy`: error bounds of each method, in closed form
+- `areas`: pixels that average what they cover
 - `view`: camera frames, and the source pixels that each part is made of
 - `covered`: the tiles under samples, compiled
 - `raytracing`: rays over relief, and the camera frames made with them

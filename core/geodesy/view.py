@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, Union
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ..errors import InvalidInput
 from ..external.compiling import loaded_numba
 from ..limits import MAX_IMAGE_TILES
 from .accuracy import ImageGeometry, grazing, mesh_noise_px
+from .areas import AreaCells, Areas, area_cells, traced_areas
 from .camera import Camera
 from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import MERCATOR, PixelGrid, Plane
@@ -83,14 +84,18 @@ class Samples(NamedTuple):
     v: Floats
 
 
-def joined(parts: Sequence[Samples]) -> list[Samples]:
-    """Samples with one part for each zoom and number of samples a pixel."""
-    kinds: dict[tuple[int, int], list[Samples]] = {}
+#: Pixels with samples, or areas from which samples follow.
+Sampled = Union[Samples, Areas]
+
+
+def joined(parts: Sequence[Sampled]) -> list[Sampled]:
+    """Samples and areas with one part for each zoom and number of samples a pixel."""
+    kinds: dict[tuple[int, ...], list[Sampled]] = {}
     for part in parts:
-        kinds.setdefault((part.zoom, part.du.shape[1]), []).append(part)
+        kinds.setdefault((part.zoom, *part.du.shape[1:]), []).append(part)
     return [
-        same[0] if len(same) == 1 else Samples(zoom, *(np.concatenate(one) for one in list(zip(*same))[1:]))
-        for (zoom, _), same in kinds.items()
+        same[0] if len(same) == 1 else type(same[0])(zoom, *(np.concatenate(one) for one in list(zip(*same))[1:]))
+        for (zoom, *_), same in kinds.items()
     ]
 
 
@@ -110,18 +115,21 @@ class View:
         Traces the position of every pixel; None to interpolate it between the corners of patches.
     facade_share : float
         Share of the pixels that see steep faces, whose colours no map shows.
+    area_cells : tuple of AreaCells
+        Cells whose pixels average what they cover.
     """
 
     width_px: int
     height_px: int
     grid: PixelGrid
     patches: tuple[Patches, ...]
-    samples: tuple[Samples, ...]
+    samples: tuple[Sampled, ...]
     sky: NDArray[np.bool_] | None
     unmapped: NDArray[np.bool_] | None
     bound_px: float
     rays: ImageRays | None = None
     facade_share: float = 0.0
+    area_cells: tuple[AreaCells, ...] = ()
 
     @property
     def sky_share(self) -> float:
@@ -152,9 +160,30 @@ class View:
                 du, v, _ = self.rays.map_points(x, y)
                 yield Samples(patches.zoom, row, column, du, v)
 
+    def areas(self, zoom: int) -> Iterator[Areas]:
+        """Yield the areas of a zoom, a bounded number of pixels at a time."""
+        for cells in self.area_cells:
+            if cells.zoom == zoom:
+                yield from cells.areas(self.grid, self.rays)
+
+    @property
+    def zooms(self) -> list[int]:
+        """Zooms of the source's pixels that the image is made of."""
+        return sorted({part.zoom for part in (*self.patches, *self.samples, *self.area_cells)})
+
     @property
     def _parts(self) -> list[Patches | Samples]:
-        return [*self.patches, *self.samples]
+        """All parts; of areas, the least and greatest positions."""
+        none = np.empty(0, np.int64)
+        bounds = (
+            *((one.zoom, one.bounds()) for one in self.samples if isinstance(one, Areas)),
+            *((one.zoom, one.bounds(self.grid)) for one in self.area_cells),
+        )
+        return [
+            *self.patches,
+            *(one for one in self.samples if isinstance(one, Samples)),
+            *(Samples(zoom, none, none, *ends) for zoom, ends in bounds),
+        ]
 
     def extents(self) -> Iterator[tuple[int, Floats, Floats, Floats, Floats]]:
         """Yield for each group its zoom, and the least and greatest du and v of each cell or pixel."""
@@ -309,6 +338,7 @@ def view(
     *,
     by_rays: bool = False,
     rows: tuple[int, int] | None = None,
+    by_area: bool = False,
 ) -> View:
     """Map the image of a camera to source pixels.
 
@@ -326,23 +356,26 @@ def view(
         Trace every pixel even if the mesh would do, for kernels that need single samples.
     rows : tuple of int, or None
         First row of pixels and the one after the last, for a part of the image; None for all.
+    by_area : bool
+        Average what each pixel covers: see `areas`.
     """
     rays = ImageRays.from_scene(scene, grid.plane, rows)
     by_rays = by_rays or tolerance_px == 0.0
     # If rays give the positions, the mesh only selects tiles and zooms, for which 0.1 px is enough.
     cells = mesh(rays, 0.1 if by_rays else tolerance_px)
     width, height = rays.size_px
-    samples, sky, unmapped = _loose(rays, cells, grid, zooms)
+    samples, sky, unmapped = _loose(rays, cells, grid, zooms, traced_areas if by_area else _sampled)
     return View(
         width,
         height,
         grid,
-        tuple(_patches(cells, grid, zooms)),
+        () if by_area else tuple(_patches(cells, grid, zooms)),
         tuple(samples),
         sky if sky.any() else None,
         unmapped if unmapped.any() else None,
         float(cells.bound_px.max(initial=0.0)),
         rays if by_rays else None,
+        area_cells=tuple(area_cells(*cells[:3], grid, zooms)) if by_area else (),
     )
 
 
@@ -392,22 +425,26 @@ def _patches(cells: Cells, grid: PixelGrid, zooms: tuple[int, int]) -> Iterator[
 
 
 def _loose(
-    rays: ImageRays, cells: Cells, grid: PixelGrid, zooms: tuple[int, int]
-) -> tuple[list[Samples], NDArray[np.bool_], NDArray[np.bool_]]:
+    rays: ImageRays,
+    cells: Cells,
+    grid: PixelGrid,
+    zooms: tuple[int, int],
+    sampled: Callable[[ImageRays, Numbers, Numbers, PixelGrid, tuple[int, int]], Sequence[Sampled]],
+) -> tuple[list[Sampled], NDArray[np.bool_], NDArray[np.bool_]]:
     """Samples of the pixels traced one by one, and masks of the sky and of ground beyond the map."""
     width, height = rays.size_px
     sky, unmapped = np.ones((height, width), bool), np.zeros((height, width), bool)
     for left, top, right, bottom in cells.box.tolist():
         sky[top:bottom, left:right] = False
     rows, columns = _box_pixels(cells.loose)
-    found = []
+    found: list[Sampled] = []
     for start in range(0, len(rows), _BATCH):
         row, column = rows[start : start + _BATCH], columns[start : start + _BATCH]
         _, v, hit = rays.map_points(column + 0.5, row + 0.5)
         off_map = hit & ~rays.on_map(v)
         sky[row, column] = ~hit
         unmapped[row, column] = off_map
-        found += _sampled(rays, row[hit & ~off_map], column[hit & ~off_map], grid, zooms)
+        found += sampled(rays, row[hit & ~off_map], column[hit & ~off_map], grid, zooms)
     return found, sky, unmapped
 
 

@@ -137,6 +137,13 @@ class Mission:
                 field="products",
                 remedy=Message("name vector layers{0}", OptionName("labels").in_brackets),
             )
+        if parts["optics"].by_area and parts["accuracy"].resampling != "bilinear":
+            raise InvalidInput(
+                "resampling {0}: must be bilinear for sampling {1}",
+                parts["accuracy"].resampling,
+                parts["optics"].sampling,
+                field="resampling",
+            )
         if parts["shutter"].motion_blur and parts["route"].exposure_ms is None:
             raise InvalidInput(
                 "blur by motion: needs an exposure time",

@@ -146,7 +146,7 @@ class CameraViews:
         """
         zooms, level_m = sampled_zooms(self.mission, self.grid), tracing.level_m
         if level_m is None:
-            return tracing.view(self.grid, zooms)
+            return tracing.view(self.grid, zooms, by_area=self.mission.optics.by_area)
         poses = tracing.scene.poses._replace(agl_m=np.array([tracing.height_m - level_m]))
         scene = replace(tracing.scene, poses=poses, ground=WGS84.raised(level_m))
         return self._view_of_level(scene, tracing.tolerance_px / 2.0, tracing.rows)
@@ -256,7 +256,8 @@ class CameraViews:
         mission = self.mission
         by_rays = tolerance_px == 0.0 or mission.accuracy.resampling == "lanczos"
         zooms = sampled_zooms(mission, self.grid)
-        return view(scene, self.grid, zooms, tolerance_px, by_rays=by_rays, rows=rows)
+        by_area = mission.optics.by_area
+        return view(scene, self.grid, zooms, tolerance_px, by_rays=by_rays, rows=rows, by_area=by_area)
 
     def _outline_on_relief(self, index: int) -> Outline | None:
         """Outline of a capture over relief, computed and kept together with its neighbours' outlines."""

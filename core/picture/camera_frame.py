@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import chain
 from typing import Any
 
@@ -12,8 +12,10 @@ import numpy as np
 
 from ..arrays import Floats, NDArray, Numbers, PixelValues
 from ..bands import RGB, Bands, fitted
+from ..camera.light import linear, linear_of_bytes
 from ..errors import PartError
 from ..external.compiling import loaded_numba, uses_numba
+from ..geodesy.areas import Areas, perspectives
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.view import Patches, Samples, View
 from ..imagery.source import Part, Window
@@ -23,8 +25,16 @@ from .resampling import PackedImage, blank_image
 
 #: Channels of an RGB image.
 _COLOURS = 3
+#: Samples taken at a time, to bound memory.
+_MOST_SAMPLES = 1 << 16
 #: Images of level ground for which loading compiled code pays: that takes half a second, and saves 4 to 15 ms of each.
 _WORTH_LOADING = 100
+
+
+@cache
+def _light_tables() -> tuple[Floats, Floats]:
+    """Linear light of each 8-bit value, and the borders between values."""
+    return linear_of_bytes(np.arange(256, dtype=np.uint8)).astype(np.float64), linear((np.arange(255) + 0.5) / 255.0)
 
 
 def load_code(plan: Plan) -> None:
@@ -80,19 +90,29 @@ class _Ground:
     def _packed(self) -> PackedImage:
         return PackedImage(self.pixels, is_compiled=False)
 
-    def draw(self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, kernel: str) -> None:
-        """Fill pixels (n,) of a picture, each with the mean of its samples (n, k)."""
+    @cached_property
+    def _packed_light(self) -> PackedImage:
+        return PackedImage(_light_tables()[0][self.pixels], is_compiled=False)
+
+    def draw(
+        self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, kernel: str, in_light: bool
+    ) -> None:
+        """Fill pixels (n,) of a picture, each with the mean of its samples (n, k), in linear light or as they are."""
         x_px, y_px = x.ravel(), y.ravel()
         if self.missing is not None:
             height, width = self.missing.shape
             near = np.clip(y_px.astype(np.intp), 0, height - 1), np.clip(x_px.astype(np.intp), 0, width - 1)
             _refuse_missing(int(np.count_nonzero(self.missing[near])))
-        values = self._packed.sample(x_px, y_px, kernel).reshape(*x.shape, picture.shape[2])
+        packed = self._packed_light if in_light else self._packed
+        values = packed.sample(x_px, y_px, kernel).reshape(*x.shape, picture.shape[2])
         # Summed one after the other, as compiled code does: numpy would add samples of a single band in pairs.
         sums = values[:, 0]
         for sample in range(1, x.shape[1]):
             sums = sums + values[:, sample]
-        picture[row, column] = fitted(sums / values.dtype.type(x.shape[1]), picture.dtype)
+        mean = sums / values.dtype.type(x.shape[1])
+        if in_light:
+            mean = np.searchsorted(_light_tables()[1], mean.ravel(), side="right").reshape(mean.shape)
+        picture[row, column] = fitted(mean, picture.dtype)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,11 +154,14 @@ class _Tiles:
         addresses[place], depths[place] = [tile.ctypes.data for tile in tiles], [tile.shape[2] for tile in tiles]
         return cls([blank, *tiles], addresses, depths, size_px, left, top)
 
-    def draw(self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, _: str) -> None:
-        """Fill pixels (n,) of a picture, each with the mean of its samples (n, k)."""
+    def draw(
+        self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, _: str, in_light: bool
+    ) -> None:
+        """Fill pixels (n,) of a picture, each with the mean of its samples (n, k), in linear light or as they are."""
         from .taps import gather
 
-        channels, kind = picture.shape[2], np.float32 if picture.dtype == np.uint8 else np.float64
+        channels = picture.shape[2]
+        kind = np.float32 if picture.dtype == np.uint8 and not in_light else np.float64
         limits = (-np.inf, np.inf)
         if picture.dtype.kind != "f":
             limits = float(np.iinfo(picture.dtype).min), float(np.iinfo(picture.dtype).max)
@@ -154,6 +177,7 @@ class _Tiles:
             limits,
             np.empty(channels, kind),
             picture,
+            *(_light_tables() if in_light else (None, None)),
         )
         _refuse_missing(missing)
 
@@ -195,21 +219,24 @@ def render(
     is_compiled, is_warped = loaded_numba(), view.rays is None
     warp = _warp_compiled if is_compiled and kernel != "bicubic" else _warp
     # One zoom after the other, as its joined tiles may take a hundred megabytes.
-    for zoom in sorted({*(patches.zoom for patches in view.patches), *(samples.zoom for samples in view.samples)}):
+    for zoom in view.zooms:
         patches = [some for some in view.patches if some.zoom == zoom]
-        samples = [some for some in view.samples if some.zoom == zoom]
+        samples = [some for some in view.samples if some.zoom == zoom and isinstance(some, Samples)]
+        areas = [some for some in view.samples if some.zoom == zoom and isinstance(some, Areas)]
         ground: _Ground | _Tiles | None = None
         if is_warped and patches:
             ground = _ground(zoom, parts, pixels, bands, is_warped=True)
             for some in patches:
                 warp(picture, some, ground, view.grid, u, kernel)
-        if is_warped and not samples:
+        if is_warped and not (samples or areas or view.area_cells):
             continue
         if is_compiled and kernel == "bilinear":
             ground = _Tiles.found(zoom, parts, pixels, bands, view.grid.tile_px)
         ground = ground or _ground(zoom, parts, pixels, bands, is_warped=False)
         for one in chain(*map(view.traced, patches), samples):
             _gather(picture, one, ground, view.grid, u, kernel)
+        for area in chain(areas, view.areas(zoom)):
+            _average(picture, area, ground, view.grid, u, bands)
     return picture
 
 
@@ -251,7 +278,7 @@ def _transforms(patches: Patches, ground: _Ground, grid: PixelGrid, u: float) ->
     world = grid.world_px(patches.zoom)
     x, y = (u + patches.du) * world - ground.left_px, patches.v * world - ground.top_px
     sizes = (patches.box[:, 2:] - patches.box[:, :2]) * (patches.samples_x, patches.samples_y)
-    return sizes, _perspectives(x, y, *sizes.T)
+    return sizes, perspectives(x, y, *sizes.T)
 
 
 def _warp_compiled(
@@ -336,41 +363,25 @@ def _images(pixels: PixelValues) -> list[tuple[Any, Any]]:
     ]
 
 
-def _perspectives(x: Floats, y: Floats, width: Numbers, height: Numbers) -> Floats:
-    """Coefficients (k, 8) of the perspective transforms from rectangles of px to quadrilaterals.
-
-    In Pillow's order a, b, c, d, e, f, g, h of ((ax + by + c)/(gx + hy + 1), (dx + ey + f)/(gx + hy + 1)). Corners
-    (k, 4) are upper left, lower left, lower right, upper right. Solved for the unit square (Heckbert 1989).
-    """
-    x0, y0 = x[:, 0], y[:, 0]
-    (x3, x2, x1), (y3, y2, y1) = (x[:, 1:] - x[:, :1]).T, (y[:, 1:] - y[:, :1]).T
-    sum_x, sum_y = x2 - x1 - x3, y2 - y1 - y3
-    bend = (x1 - x2) * (y3 - y2) - (x3 - x2) * (y1 - y2)
-    g = (sum_x * (y3 - y2) - (x3 - x2) * sum_y) / bend
-    h = ((x1 - x2) * sum_y - sum_x * (y1 - y2)) / bend
-    columns = [
-        (x1 + g * (x1 + x0)) / width,
-        (x3 + h * (x3 + x0)) / height,
-        x0,
-        (y1 + g * (y1 + y0)) / width,
-        (y3 + h * (y3 + y0)) / height,
-        y0,
-        g / width,
-        h / height,
-    ]
-    return np.stack(columns, axis=1)
-
-
 def _gather(
     picture: PixelValues, samples: Samples, ground: _Ground | _Tiles, grid: PixelGrid, u: float, kernel: str
 ) -> None:
     """Fill single pixels, each with the mean of its samples."""
     world = grid.world_px(samples.zoom)
     count = samples.du.shape[1]
-    # 65,536 samples at a time, to bound memory.
-    batch = max((1 << 16) // count, 1)
+    batch = max(_MOST_SAMPLES // count, 1)
     for start in range(0, len(samples.row), batch):
         part = slice(start, start + batch)
         x = (u + samples.du[part]) * world - ground.left_px
         y = samples.v[part] * world - ground.top_px
-        ground.draw(picture, samples.row[part], samples.column[part], x, y, kernel)
+        ground.draw(picture, samples.row[part], samples.column[part], x, y, kernel, in_light=False)
+
+
+def _average(
+    picture: PixelValues, areas: Areas, ground: _Ground | _Tiles, grid: PixelGrid, u: float, bands: Bands
+) -> None:
+    """Fill pixels with the mean of what they cover, of colours in linear light, as a sensor collects it."""
+    world = grid.world_px(areas.zoom)
+    for row, column, du, v in areas.samples(_MOST_SAMPLES):
+        x, y = (u + du) * world - ground.left_px, v * world - ground.top_px
+        ground.draw(picture, row, column, x, y, "bilinear", in_light=bands.are_colours)

@@ -63,6 +63,15 @@ def _address(addresses: Numbers, depths: Numbers, size: int, itemsize: int, row:
 
 
 @compiled
+def _light(address: int, like: PixelValues, levels: Floats | None, sums: Floats) -> Any:
+    """Value at an address, of an array's type, or the linear light of it, as one of the type of sums."""
+    value = _value(address, like)
+    if levels is None:
+        return sums.dtype.type(value)
+    return levels[int(value)]
+
+
+@compiled
 def gather(
     addresses: Numbers,
     depths: Numbers,
@@ -75,6 +84,8 @@ def gather(
     limits: tuple[float, float],
     sums: Floats,
     picture: PixelValues,
+    levels: Floats | None,
+    borders: Floats | None,
 ) -> int:
     """Fill pixels (n,), each with the mean of its samples (n, k), from tiles that need not be joined.
 
@@ -94,7 +105,9 @@ def gather(
     limits : (least, greatest)
         Values of the picture; they are rounded if the least is finite.
     sums : array (channels,)
-        Scratch, of the type in which `interpolate` has values.
+        Scratch, of the type in which `interpolate` has values, or float64 for linear light.
+    levels, borders : array of float64, or None
+        Linear light of each value, and the borders between values, for means in linear light; None for means of values.
 
     Returns
     -------
@@ -128,13 +141,15 @@ def gather(
             # Arithmetic in the type of the sums.
             for channel in range(channels):
                 at = channel * itemsize
-                one, other = kind(_value(first + at, picture)), kind(_value(second + at, picture))
+                one, other = _light(first + at, picture, levels, sums), _light(second + at, picture, levels, sums)
                 upper = one * kind(west) + other * kind(east)
-                one, other = kind(_value(third + at, picture)), kind(_value(fourth + at, picture))
+                one, other = _light(third + at, picture, levels, sums), _light(fourth + at, picture, levels, sums)
                 sums[channel] += upper * kind(north) + (one * kind(west) + other * kind(east)) * kind(south)
         for channel in range(channels):
             mean = sums[channel] / kind(x_px.shape[1])
-            if limits[0] > -math.inf:
+            if borders is not None:
+                mean = np.searchsorted(borders, mean, "right")
+            elif limits[0] > -math.inf:
                 mean = kind(min(max(np.rint(mean), limits[0]), limits[1]))
             picture[row[pixel], column[pixel], channel] = mean
     return missing

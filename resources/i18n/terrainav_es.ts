@@ -14347,6 +14347,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>producto {0}: necesita etiquetas o edificios</translation>
     </message>
     <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>resampling {0}: must be bilinear for sampling {1}</source>
+        <translation>remuestreo {0}: debe ser bilinear para el muestreo {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/options.py"/>
         <source>{0} {1!r}: must be true or false</source>
         <translation>{0} {1!r}: debe ser verdadero o falso</translation>
@@ -15041,8 +15046,28 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>
+        <source>Interpolated</source>
+        <translation>Interpolado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>Mean over the pixel's area</source>
+        <translation>Media del área del píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
         <source>how light falls off from the middle of the image: none; cos4, by the fourth power of the cosine of the angle to the optical axis; or up to three coefficients a b c of 1 + a r² + b r⁴ + c r⁶, where r is the distance from the principal point, 1 at half the image's diagonal</source>
         <translation>cómo disminuye la luz desde el centro de la imagen: none, nada; cos4, según la cuarta potencia del coseno del ángulo con el eje óptico; o hasta tres coeficientes a b c de 1 + a r² + b r⁴ + c r⁶, donde r es la distancia al punto principal, 1 a media diagonal de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>how pixels of camera frames are taken from the imagery: zoom interpolates it at the zoom that suits the pixel, and averages up to 8 samples of slanted ground; area averages all that the pixel covers, in linear light, from finer zooms: without aliases far away, with more tiles</source>
+        <translation>cómo se toman de las imágenes los píxeles de los cuadros de cámara: zoom interpola en el zoom que conviene al píxel y promedia hasta 8 muestras de terreno inclinado; area promedia todo lo que cubre el píxel, en luz lineal y de zooms más finos: sin aliasing a lo lejos, con más teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>sampling</source>
+        <translation>muestreo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +10,9 @@ from numpy.polynomial.polynomial import polyval2d, polyvander2d
 
 from ...arrays import Flags, Floats
 from ...external.compiling import uses_numba
+from ..areas import plane_areas
 from ..mercator import PixelGrid, wrap_lon_deg
-from ..view import KIND_BITS, MOST_POWER, NEAREST_PX, Detail, Samples, plane_samples
+from ..view import KIND_BITS, MOST_POWER, NEAREST_PX, Detail, Sampled, Samples, plane_samples
 from .pixel_rays import PixelRays
 from .surface import Hits, Surface
 
@@ -79,13 +81,15 @@ class Seen(NamedTuple):
                 break
         return x, y
 
-    def samples(self, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int]) -> tuple[list[Samples], int]:
-        """Samples of the pixels that see the surface, and the number of them that see steep faces.
+    def samples(
+        self, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int], *, by_area: bool = False
+    ) -> tuple[Sequence[Sampled], int]:
+        """Samples or areas of the pixels that see the surface, and the number of them that see steep faces.
 
         Positions count from the meridian of ``lon_deg``.
         """
         if uses_numba():
-            return self._compiled_samples(lon_deg, grid, zooms)
+            return self._compiled_samples(lon_deg, grid, zooms, by_area)
         row, column = np.nonzero(np.isfinite(self.hits.t))
         if not len(row):
             return [], 0
@@ -118,9 +122,12 @@ class Seen(NamedTuple):
         spans = [
             (turn[0, 0] * east + turn[0, 1] * north, turn[1, 0] * east + turn[1, 1] * north) for east, north in steps
         ]
-        return plane_samples(row + self.top, column, (du, v), spans, grid, zooms), faces
+        sampled = plane_areas if by_area else plane_samples
+        return sampled(row + self.top, column, (du, v), spans, grid, zooms), faces
 
-    def _compiled_samples(self, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int]) -> tuple[list[Samples], int]:
+    def _compiled_samples(
+        self, lon_deg: float, grid: PixelGrid, zooms: tuple[int, int], by_area: bool
+    ) -> tuple[Sequence[Sampled], int]:
         from . import sampling
 
         pixels = sampling.SeenPixels.blank(int(np.count_nonzero(np.isfinite(self.hits.t))))
@@ -132,6 +139,12 @@ class Seen(NamedTuple):
         pixels = pixels.first(count)
         to_plane = _fit_plane(self.surface, grid, lon_deg, pixels.x, pixels.y)
         turn = to_plane.slopes(pixels.x, pixels.y) @ self.per_metre
+        if by_area:
+            place, ways = to_plane(pixels.x, pixels.y), pixels.steps.T
+            spans = [
+                (turn[0, 0] * x + turn[0, 1] * y, turn[1, 0] * x + turn[1, 1] * y) for x, y in (ways[:2], ways[2:])
+            ]
+            return plane_areas(pixels.row + self.top, pixels.column, place, spans, grid, zooms), faces
         kinds = np.empty(count, np.int64)
         world = float(grid.world_px(0))
         sampling.detail(pixels, *to_plane.coefficients, turn, world, zooms, NEAREST_PX, MOST_POWER, KIND_BITS, kinds)
@@ -144,7 +157,7 @@ class Seen(NamedTuple):
         du, v = np.empty((2, int(samples.sum())))
         begin = first_pixel.copy(), first_sample.copy()
         sampling.spread_samples(pixels, kinds, each.samples_x, each.samples_y, *begin, row, column, du, v)
-        found = []
+        found: list[Sampled] = []
         for kind in np.flatnonzero(counts).tolist():
             some = slice(first_pixel[kind], first_pixel[kind] + counts[kind])
             all_samples = slice(first_sample[kind], first_sample[kind] + samples[kind])

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ...arrays import Flags, Floats, NDArray, Numbers
 from ...external.compiling import uses_numba
+from ..areas import plane_areas
 from ..ellipsoid import positions
 from ..local import enu_axes, geodetic
 from ..mercator import PixelGrid
 from ..skins import Skin
-from ..view import Samples, plane_samples
+from ..view import Sampled, plane_samples
 from .faces import FaceHits
 from .pixel_rays import PixelRays
 
@@ -121,8 +123,8 @@ class SeenFaces(NamedTuple):
             is_lit=np.append(painted.is_lit, np.ones(len(some), np.bool_)),
         )
 
-    def samples(self, grid: PixelGrid, zooms: tuple[int, int]) -> list[Samples]:
-        """Samples of the pixels whose faces the imagery shows; positions count from the camera's meridian.
+    def samples(self, grid: PixelGrid, zooms: tuple[int, int], *, by_area: bool = False) -> Sequence[Sampled]:
+        """Samples or areas of the pixels whose faces the imagery shows; positions count from the camera's meridian.
 
         Over a triangle, fractions of the world are linear in space, which leaves out a tenth of a millimetre in 100 m.
         """
@@ -135,7 +137,8 @@ class SeenFaces(NamedTuple):
         if not known.all():
             row, column, found = row[known], column[known], found[:, known]
         du, v, across_u, across_v, down_u, down_v = found
-        return plane_samples(row, column, (du, v), ((across_u, across_v), (down_u, down_v)), grid, zooms)
+        sampled = plane_areas if by_area else plane_samples
+        return sampled(row, column, (du, v), ((across_u, across_v), (down_u, down_v)), grid, zooms)
 
     def _on_map(self, grid: PixelGrid, row: Numbers, column: Numbers, triangle: Numbers) -> Floats:
         """Fractions of the world at pixels, and by how much they change along columns and rows; (6, n)."""

@@ -474,12 +474,12 @@ class Tracing:
         """Pixels that see faces which the imagery does not show; None if none does."""
         return None if self._seen_faces is None else self._seen_faces.painted()
 
-    def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
+    def view(self, grid: PixelGrid, zooms: tuple[int, int], *, by_area: bool = False) -> View:
         """Map the image to a source's pixels; positions count from the camera's meridian."""
-        found = [one.samples(self.place[1], grid, zooms) for one in self._seen]
+        found = [one.samples(self.place[1], grid, zooms, by_area=by_area) for one in self._seen]
         parts, unmapped, facades = [part for parts, _ in found for part in parts], ~self.sky, sum(n for _, n in found)
         if (faces := self._seen_faces) is not None:
-            parts += faces.samples(grid, zooms)
+            parts += faces.samples(grid, zooms, by_area=by_area)
             some = ~faces.is_shown
             unmapped[faces.row[some], faces.column[some]] = False
             facades += int(np.count_nonzero(some))

@@ -7,7 +7,7 @@ In reading order:
 - `pictures`: imagery, pixels, accuracy and files
 - `labels`: labels of pixels
 - `air`: haze
-- `optics`: vignetting
+- `optics`: sampling, sharpness and vignetting
 - `exposure`: exposure, white balance and tone
 - `shutter`: motion blur and rolling shutter
 - `sensor`: pixels, noise and converter of the image sensor
@@ -45,7 +45,7 @@ from .flown import (
     utc_time,
 )
 from .labels import PixelLabels
-from .optics import COS4, NO_VIGNETTING, CameraOptics
+from .optics import AREA, COS4, NO_VIGNETTING, ZOOM, CameraOptics
 from .pictures import (
     AUTO,
     CLASSES,
@@ -75,6 +75,7 @@ from .varied import Varied
 
 __all__ = [
     "ALIGNMENTS",
+    "AREA",
     "AUTO",
     "BY_DISTANCE",
     "BY_ISO",
@@ -116,6 +117,7 @@ __all__ = [
     "SHORTEST",
     "TAKEOFF",
     "TRACK",
+    "ZOOM",
     "Accuracy",
     "Air",
     "Attitude",

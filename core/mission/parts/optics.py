@@ -12,6 +12,8 @@ from ...errors import InvalidInput
 from ...fields import CheckedFields, declared
 from ...numbers import NUMBER, real_number
 
+#: Samplings of the imagery: interpolation at the zoom that suits a pixel, or the mean of what the pixel covers.
+ZOOM, AREA = "zoom", "area"
 #: No vignetting, and that of the cosine's fourth power.
 NO_VIGNETTING, COS4 = "none", "cos4"
 #: A keyword, or up to three coefficients.
@@ -43,8 +45,17 @@ def _check_vignetting(text: str) -> None:
 
 @dataclass(frozen=True)
 class CameraOptics(CheckedFields):
-    """Vignetting."""
+    """Sampling of the imagery, and vignetting."""
 
+    sampling: str = declared(
+        ZOOM,
+        title="sampling",
+        help="how pixels of camera frames are taken from the imagery: zoom interpolates it at the zoom that suits the "
+        "pixel, and averages up to 8 samples of slanted ground; area averages all that the pixel covers, in linear "
+        "light, from finer zooms: without aliases far away, with more tiles",
+        choices={ZOOM: "Interpolated", AREA: "Mean over the pixel's area"},
+        advanced=True,
+    )
     vignetting: str = declared(
         NO_VIGNETTING,
         title="vignetting",
@@ -62,6 +73,11 @@ class CameraOptics(CheckedFields):
         with suppress(ValueError, AttributeError):
             object.__setattr__(self, "vignetting", " ".join(f"{real_number(one):.15g}" for one in given.split()))
         super().__post_init__()
+
+    @property
+    def by_area(self) -> bool:
+        """Whether a pixel is the mean of what it covers."""
+        return self.sampling == AREA
 
     @property
     def falloff_terms(self) -> tuple[float, ...]:
