@@ -11,12 +11,14 @@ from __future__ import annotations
 
 import argparse
 import statistics
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
+from PIL import Image, ImageDraw
 
 WIDTH, HEIGHT = 640, 480
 
@@ -71,7 +73,53 @@ def sensor_costs() -> None:
 
 
 def sensor_picture(folder: Path) -> None:
-    """Crops of one image with shorter exposures at higher speeds, and with a Bayer pattern."""
+    """Crops of one image with shorter exposures at higher speeds, without and with a Bayer pattern."""
+    from terrainav.core.capture.runner import capture
+    from terrainav.core.geodesy.camera import Camera
+    from terrainav.core.imagery.opening import named_source
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+
+    source, crops = named_source("world").open(), []
+    for bayer in ("none", "rggb"):
+        for iso in SPEEDS:
+            mission = Mission(
+                Points(((35.1552, -89.8935, 400.0),)),
+                400.0,
+                Camera(60.0, 4.0 / 3.0),
+                frame="camera",
+                image_sensor="Alvium 1800 C-507m",
+                bayer=bayer,
+                exposure="manual",
+                exposure_ms=150.0 / iso,
+                iso=iso,
+            )
+            with tempfile.TemporaryDirectory() as made:
+                capture(plan(mission, source.grid), source, made)
+                (path,) = Path(made).glob("satellite/*.tif")
+                crops.append(Image.open(path).convert("RGB").crop(CROP))
+    labels = [f"ISO {iso:,}, {150.0 / iso:.2g} ms" for iso in SPEEDS]
+    _sheet(crops, labels, len(SPEEDS)).save(folder / "realism-sensor.jpg", quality=70, optimize=True)
+
+
+#: Speeds of the crops of the sensor, of which each exposes for as much less time; and what they show of the image.
+SPEEDS = 240, 1_900, 7_500, 30_000
+CROP = 440, 110, 544, 214
+
+
+def _sheet(crops: list[Image.Image], labels: list[str], columns: int) -> Image.Image:
+    """Crops in rows, at twice their size, below the labels of their columns."""
+    width, height = (2 * side for side in crops[0].size)
+    rows, gap, head = -(-len(crops) // columns), 4, 16
+    sheet = Image.new("RGB", (columns * (width + gap) - gap, head + rows * (height + gap) - gap), "white")
+    pen = ImageDraw.Draw(sheet)
+    for column, label in enumerate(labels):
+        pen.text((column * (width + gap) + 2, 2), label, fill="black")
+    for number, crop in enumerate(crops):
+        at = number % columns * (width + gap), head + number // columns * (height + gap)
+        sheet.paste(crop.resize((width, height), Image.Resampling.NEAREST), at)
+    return sheet
 
 
 #: Costs and picture of each effect.
