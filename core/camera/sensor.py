@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass
 from functools import cache
 from statistics import NormalDist
@@ -62,9 +63,10 @@ class Detector:
         return int(2**self.bits - 1)
 
     @property
-    def saturation_dn(self) -> float:
-        """Value from which a pixel counts as saturated: the converter's largest, or that of a full well."""
-        return min(self.most_dn, round(self.black_level_dn + self.gain_dn_per_e * self.full_well_e))
+    def saturated_dn(self) -> float:
+        """Value from which a pixel counts as saturated: three standard deviations of the noise below saturation."""
+        full_dn = min(self.most_dn, self.black_level_dn + self.gain_dn_per_e * self.full_well_e)
+        return full_dn - 3.0 * self.gain_dn_per_e * math.hypot(self.read_noise_e, self.dsnu_e)
 
     @property
     def photons_per_lx_s(self) -> float:

@@ -132,6 +132,14 @@ def test_wells_and_converters_saturate():
     assert (image(0.0, detector=replace(REAL, black_level_dn=0.0)) >= 0.0).all()
 
 
+@pytest.mark.parametrize("gain", [0.35, 0.7])
+def test_saturated_pixels_are_told_from_others_in_spite_of_noise(gain):
+    detector = replace(REAL, gain_dn_per_e=gain)
+    full = detector.saturation_lx_s * detector.electrons_per_lx_s
+    assert (image(1.5 * full, detector=detector) >= detector.saturated_dn).mean() > 0.99
+    assert (image(0.9 * full, detector=detector) >= detector.saturated_dn).mean() == 0.0
+
+
 @pytest.mark.parametrize("bits", [8, 10, 12])
 def test_quantisation_adds_a_twelfth(bits):
     gain = (2.0**bits - 1.0) / 10_000.0
