@@ -182,10 +182,11 @@ def add_load(loading: argparse.ArgumentParser) -> None:
     loading.add_argument(
         "--targets",
         nargs="+",
-        choices=TARGETS,
+        metavar="TARGET",
         default=TARGETS[:1],
-        help="labels: the image's centre, the camera's place, its height, its attitude, the class and the instance of "
-        "each pixel (default image)",
+        help="labels, of image, camera, height, attitude, classes and instances: the image's centre, the camera's "
+        "place, its height, its attitude, the class and the instance of each pixel; or further columns of the table, "
+        "such as exposure_ms (default image)",
     )
     loading.add_argument("--batch-size", metavar="N", help="images in a batch (default 8)")
     loading.add_argument("--seed", metavar="N", help="of order and augmentation (default 2024)")

@@ -6,7 +6,7 @@ import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import cached_property
 from hashlib import blake2b
@@ -20,6 +20,7 @@ from ...bands import Bands
 from ...errors import InvalidInput, Message, OptionName, OutputError
 from ...external.importing import imported
 from ...labels.classes import ClassTable
+from ...numbers import real_number
 from ...storage.stores import Address, is_address, is_file
 from ..dataset import Dataset, ImageSet, first_names, open_image, read_band_metadata, read_dataset
 from ..folder import (
@@ -96,7 +97,8 @@ class LabelledImages:
         Contents of the labels, in order: the ``image``'s centre on the ground and the ``camera``'s position, as scaled
         eastings and northings; the camera's ``height`` above ground in metres, and its ``attitude``: yaw, tilt and roll
         in degrees. With either, ``auto`` augments nothing, as rotating and zooming would make it wrong. ``classes`` and
-        ``instances`` are labels (height, width) of the pixels, see `pixel_labels`.
+        ``instances`` are labels (height, width) of the pixels, see `pixel_labels`. Any other name is that of an
+        additional column of numbers in the table, such as ``exposure_ms``.
     shards_at_once : int
         Number of shards in a group; with shards as captures pack them, a group holds some thousands of images. Shards
         are shuffled, and then the images of each group. A larger number makes the order more random, but keeps more
@@ -165,7 +167,7 @@ class LabelledImages:
         self.names = tuple(Path(self.images.table.img_names[row]).stem for row in self._rows)
         self._shards, self._cache = _streamed(self.images, self._rows, shards_at_once, cache_mb)
         self.labels = _labels(dataset, self.images) if labels is None else labels
-        self.columns = tuple(column for target in targets for column in _COLUMNS.get(target, ()))
+        self.columns = tuple(column for target in targets for column in _label_columns(target))
         self.pixel_targets = tuple(target for target in targets if target in PIXEL_LABELS)
         self._label_images = LabelImages(self.images)
         if self.pixel_targets:
@@ -720,8 +722,12 @@ def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
 def _check_targets(targets: Sequence[str], augment: Augmentation | str | None) -> bool:
     """Raise InvalidInput for unknown targets; return whether rotating and zooming images keeps the targets valid."""
     named = [targets] if isinstance(targets, str) else list(targets)
-    if not named or isinstance(targets, str) or len(set(named)) != len(named) or set(named) - set(TARGETS):
-        raise InvalidInput("targets {0}: must be some of {1}, each once", " ".join(map(str, named)), ", ".join(TARGETS))
+    if not named or isinstance(targets, str) or len(set(named)) != len(named):
+        raise InvalidInput(
+            "targets {0}: must be some of {1}, and columns of the table, each once",
+            " ".join(map(str, named)),
+            ", ".join(TARGETS),
+        )
     may_turn = not {HEIGHT, ATTITUDE} & set(named)
     if not may_turn and isinstance(augment, Augmentation) and not augment.keeps_pose:
         raise InvalidInput(
@@ -732,11 +738,37 @@ def _check_targets(targets: Sequence[str], augment: Augmentation | str | None) -
     return may_turn
 
 
+def _label_columns(target: str) -> tuple[str, ...]:
+    """Names of the columns of a target's labels; none for labels of pixels."""
+    return () if target in PIXEL_LABELS else _COLUMNS.get(target, (target,))
+
+
+def _column_values(target: str, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Numbers (n, 1) of an additional column of the table; raises InvalidInput where it has none."""
+    other = images.table.other
+    if target not in other:
+        raise InvalidInput(
+            "targets {0}: must be some of {1}, or of the further columns of {2}: {3}",
+            target,
+            ", ".join(TARGETS),
+            images.folder / TABLE_FILE,
+            ", ".join(other) or Message("none"),
+        )
+    found = np.full((len(rows), 1), np.nan, np.float32)
+    for at, row in enumerate(rows.tolist()):
+        with suppress(ValueError):
+            found[at] = real_number(other[target][row])
+    _check_known(target, np.isfinite(found).all(axis=1), images, rows)
+    return found
+
+
 def _values(target: str, labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:
     """Labels (n, 0 to 3) of rows; raises InvalidInput for positions outside the frame and for missing poses."""
     table = images.table
     if target in PIXEL_LABELS:
         return np.empty((len(rows), 0), np.float32)
+    if target not in TARGETS:
+        return _column_values(target, images, rows)
     if target in (HEIGHT, ATTITUDE):
         columns = (table.agl_m,) if target == HEIGHT else (table.yaw_deg, table.tilt_deg, table.roll_deg)
         found: NDArray[np.float32] = np.stack([column[rows] for column in columns], axis=1).astype(np.float32)

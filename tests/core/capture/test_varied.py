@@ -11,7 +11,10 @@ from PIL import Image
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import read_dataset
+from terrainav.core.dataset.loading.batches import LabelledImages
+from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import Table
+from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
@@ -190,3 +193,38 @@ def test_shards_hold_clean_images_beside_the_others(tmp_path, halved):
 def test_nothing_is_kept_unless_asked(tmp_path, halved):
     capture(planned(), SOURCE.open(), tmp_path)
     assert not (tmp_path / "satellite_clean").exists()
+
+
+@pytest.mark.parametrize("blocks", [None, Blocks(4, layout="webdataset")])
+def test_what_varies_is_read_as_labels(tmp_path, blocks):
+    made = planned("exposure_ms=lognormal(4,0.5)", "white_balance_k=uniform(4500,7500)", "east_m=uniform(-9,9)")
+    capture(made, SOURCE if blocks else SOURCE.open(), tmp_path, blocks=blocks)
+    targets = ("white_balance_k", "height", "exposure_ms", "east_m")
+    samples = LabelledImages(tmp_path, part="all", img_size=(16, 12, 3), targets=targets)
+    assert samples.columns == ("white_balance_k", "agl_m", "exposure_ms", "east_m")
+    wanted = [
+        [values["white_balance_k"], made.agl_m[index], values["exposure_ms"], values["east_m"]]
+        for index, values in ((index, made.drawn(index)) for index in map(made.names.index, samples.names))
+    ]
+    np.testing.assert_array_equal(samples.values, np.float32(wanted))
+    _, labels = samples.take([2, 0])
+    np.testing.assert_array_equal(labels, np.float32([wanted[2], wanted[0]]))
+
+
+def test_columns_that_are_not_numbers_are_no_labels(tmp_path):
+    capture(planned(visibility_km=20.0), SOURCE.open(), tmp_path)
+    with pytest.raises(InvalidInput, match=r"targets airlight: the table of .* does not have it for 0_0"):
+        LabelledImages(tmp_path, part="all", img_size=(16, 12, 3), targets=("airlight",))
+    with pytest.raises(InvalidInput, match=r"further columns of .*: east_m, north_m, visibility_km, airlight"):
+        LabelledImages(tmp_path, part="all", img_size=(16, 12, 3), targets=("exposure_ms",))
+
+
+def test_clean_images_are_loaded_in_pairs(tmp_path, halved):
+    capture(planned(keep_clean=True), SOURCE.open(), tmp_path)
+    split(tmp_path, (0.5, 0.0, 0.5))
+    chosen = {"part": "train", "img_size": (16, 12, 3), "augment": None}
+    real, clean = (LabelledImages(tmp_path, map_type=name, **chosen) for name in ("satellite", "satellite_clean"))
+    assert real.names == clean.names
+    np.testing.assert_array_equal(real.order(3), clean.order(3))
+    np.testing.assert_array_equal(real.values, clean.values)
+    assert (real.take([0])[0] < clean.take([0])[0]).all()

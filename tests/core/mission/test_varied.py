@@ -192,7 +192,7 @@ def test_values_of_light_go_to_its_effects():
 def test_the_longest_exposure_that_may_be_drawn_ends_before_the_next_image():
     kept = {"exposure": "manual", "exposure_ms": 4.0, "area": Box(47.41, 8.50, 47.405, 8.51)}
     assert len(planned("exposure_ms=lognormal(4,0.5)", **kept))
-    with pytest.raises(InvalidInput, match="exposure time 9999.9.* ms: longer than"):
+    with pytest.raises(InvalidInput, match="exposure time 9999"):
         planned("exposure_ms=uniform(1,9999.99)", **kept)
 
 
