@@ -6,6 +6,8 @@ r"""What COLMAP and evo say of the exports of a dataset of camera frames.
     terrainav export out model --as colmap && terrainav export out tum --as tum && terrainav export out kitti --as kitti
     peers/bin/python benchmarks/export_peers.py out/satellite model tum kitti
 
+Lenses that distort: add --lens fisheye --k1 0.02, or --k1 -0.1 --p1 0.001, to the capture.
+
 COLMAP finds and matches features of its own, and triangulates them with the exported poses held fixed. Prints the mean
 reprojection error in px and, over level ground, how far the points are from it.
 """
@@ -28,7 +30,7 @@ def triangulated(images: Path, model: Path, folder: Path) -> pycolmap.Reconstruc
     poses = {image.name: image.cam_from_world() for image in told.images.values()}
     reader = pycolmap.ImageReaderOptions()
     (camera,) = told.cameras.values()
-    reader.camera_model = "PINHOLE"
+    reader.camera_model = camera.model.name
     reader.camera_params = ",".join(repr(float(value)) for value in camera.params)
     database = folder / "database.db"
     pycolmap.extract_features(
