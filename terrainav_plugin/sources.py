@@ -120,7 +120,7 @@ def mission_grid(mission: Mission) -> PixelGrid:
             return grid
         return _named(mission.imagery.source, _options(mission)).grid
     except (InvalidInput, SourceError) as wrong:
-        entry = wrong.field if wrong.field in ("date", "crs", "bands", "stretch") else "source"
+        entry = wrong.field if wrong.field in ("date", "crs", "bands", "stretch", "sun") else "source"
         raise FormError({entry: translate(wrong)}) from wrong
 
 
@@ -352,9 +352,11 @@ def needs_key(source: str) -> bool:
 def _options(mission: Mission, **how: Any) -> SourceOptions:
     """Options for opening a mission's source."""
     from ..core.imagery.opening import SourceOptions
+    from ..core.mission.sunlight import mission_sun
 
     return SourceOptions(
         seed=mission.imagery.seed,
+        sun=mission_sun(mission),
         date=mission.imagery.date or None,
         crs=mission.imagery.crs,
         area_deg=mission.area.bounds.edges_deg,
@@ -367,12 +369,14 @@ def _options(mission: Mission, **how: Any) -> SourceOptions:
 
 
 def _check_bands(mission: Mission) -> None:
-    """Refuse bands and a stretch that are impossible if QGIS draws the source or has the connection."""
-    from ..core.imagery.opening import check_colours
+    """Refuse bands, a stretch and a sun that are impossible if QGIS draws the source or has the connection."""
+    from ..core.imagery.opening import check_colours, check_sun
+    from ..core.mission.sunlight import mission_sun
 
     imagery = mission.imagery
     if is_of_qgis(imagery.source) or is_connection(imagery.source):
         check_colours(imagery.source, imagery.bands, imagery.stretch)
+        check_sun(imagery.source, mission_sun(mission))
 
 
 def _named(name: str, options: SourceOptions | None = None) -> NamedSource:

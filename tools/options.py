@@ -52,6 +52,7 @@ _PARTS = {
     "terrain": "Relief and buildings",
     "route": "Flight path",
     "labels": "Labels of pixels",
+    "sunlight": "Sunlight",
     "air": "Haze",
     "optics": "Optics",
     "exposure": "Exposure, white balance and tone",

@@ -14,12 +14,14 @@ import numpy as np
 from ..arrays import NDArray, Numbers
 from ..bands import RGB, source_bands
 from ..errors import InvalidInput, PartError
-from ..imagery.opening import NamedSource
+from ..imagery.opening import NamedSource, check_sun
 from ..imagery.placeholder import Provided, Repeats, corner
 from ..imagery.source import Part, Source, Window
 from ..labels.label_map import LabelMap
 from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
+from ..mission.mission import Mission
 from ..mission.plan import Plan
+from ..mission.sunlight import mission_sun
 from ..picture.camera_frame import parts_of_tiles
 from ..picture.effects import check_bands
 from ..picture.map_frame import check_size
@@ -56,6 +58,7 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
         )
     check_size(output.img_size, bands)
     check_bands(plan.settings(0), bands)
+    _check_sun(plan.mission, source)
     if _largest_px(plan) * bands.bytes_per_px > MAX_PICTURE_BYTES:
         raise InvalidInput(
             "images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each",
@@ -64,6 +67,20 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
             bands.data_type,
             MAX_PICTURE_BYTES,
             field="bands",
+        )
+
+
+def _check_sun(mission: Mission, source: Source | NamedSource) -> None:
+    """Refuse a source that is not in the light of the mission's sun."""
+    sun, lit = mission_sun(mission), getattr(source, "sun", None)
+    if sun != lit:
+        if not hasattr(source, "sun"):
+            check_sun(source.title, sun)
+        raise InvalidInput(
+            "sun {0}: {1} is opened in another light; open it with the mission's sun",
+            mission.sunlight.sun,
+            source.title,
+            field="sun",
         )
 
 

@@ -97,12 +97,15 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
 
 
 def _open_source(imagery: NamedImagery, settings: BenchmarkSettings, values: dict[str, Any]) -> Source:
+    from ..mission.sunlight import mission_sun
+
     mission = settings.queries.select_imagery(imagery)
     asked = mission.imagery
     return requested_source(
         asked,
         {**values, SOURCE_WAS_NAMED: True},
         open_cache(values),
+        sun=mission_sun(mission),
         area_deg=mission.area.bounds.edges_deg,
         bands=asked.bands,
         stretch=asked.stretch,

@@ -110,11 +110,14 @@ def requested_source(
 def _named_source(
     mission: Mission, values: dict[str, Any], cache: TileCache | None = None, *, as_stored: bool = False
 ) -> NamedSource:
+    from ..mission.sunlight import mission_sun
+
     imagery = mission.imagery
     return requested_source(
         imagery,
         values,
         cache,
+        sun=mission_sun(mission),
         area_deg=mission.area.bounds.edges_deg,
         bands=imagery.bands,
         stretch=imagery.stretch,

@@ -7,9 +7,13 @@ terrestrial time as UTC and `DELTA_T_S`.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..arrays import Floats
+from ..errors import InvalidInput
 from .sun_terms import DISTANCE, LATITUDE, LONGITUDE, NUTATION
 
 #: Terrestrial time less UT1 in the 2020s; 12 s more or less move the sun by 0.0002 degrees.
@@ -111,3 +115,72 @@ def _series(powers: tuple[Floats, ...], millennia: Floats) -> Floats:
         for power, terms in enumerate(powers)
     ]
     return np.asarray(sum(sums) / 1e8)
+
+
+@dataclass(frozen=True)
+class SunDirection:
+    """Where the sun stands over a place, and how much of the light there comes from the sky.
+
+    Parameters
+    ----------
+    height_deg, azimuth_deg : float
+        Above the horizon, above 0 and at most 90; clockwise from north.
+    lat_deg, lon_deg : float
+        The place. The sun's rays are parallel: elsewhere they make other angles with the vertical and with north.
+
+    Raises
+    ------
+    InvalidInput
+        A height or azimuth out of range.
+    """
+
+    height_deg: float
+    azimuth_deg: float
+    lat_deg: float = 0.0
+    lon_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.height_deg <= 90.0:
+            raise InvalidInput(
+                "sun at a height of {0:g} degrees: must be above 0 and at most 90", self.height_deg, field="sun"
+            )
+        if not -360.0 <= self.azimuth_deg <= 360.0:
+            raise InvalidInput("sun at an azimuth of {0:g} degrees: must be -360 to 360", self.azimuth_deg, field="sun")
+
+    @property
+    def enu(self) -> Floats:
+        """Unit vector to the sun, in east, north and up, (3,)."""
+        up, around = np.radians(self.height_deg), np.radians(self.azimuth_deg)
+        return np.array([np.cos(up) * np.sin(around), np.cos(up) * np.cos(around), np.sin(up)])
+
+    @property
+    def direct_lx(self) -> float:
+        """Illuminance of level ground by the sun alone, under a clear sky: IES Lighting Handbook, 10th edition, 7.7.
+
+        With the mean distance of the sun, and an air mass of the height's cosecant.
+        """
+        sine = math.sin(math.radians(self.height_deg))
+        return 128_000.0 * math.exp(-0.21 / sine) * sine
+
+    @property
+    def sky_lx(self) -> float:
+        """Illuminance of level ground by the clear sky alone."""
+        return 800.0 + 15_500.0 * math.sqrt(math.sin(math.radians(self.height_deg)))
+
+    @property
+    def sky_share(self) -> float:
+        """Share of the light on level ground, in the sun, that comes from the sky."""
+        return self.sky_lx / (self.sky_lx + self.direct_lx)
+
+    def light(self, cosine: Floats, up: Floats) -> Floats:
+        """Light on surfaces (n,) relative to that of level ground in the sun.
+
+        Parameters
+        ----------
+        cosine : array (n,)
+            Of the angles between their normals and the sun.
+        up : array (n,)
+            Upward component of their unit normals; they get light from the part of an even sky that they face.
+        """
+        direct = np.maximum(cosine, 0.0) / math.sin(math.radians(self.height_deg))
+        return np.asarray(self.sky_share * (1.0 + up) / 2.0 + (1.0 - self.sky_share) * direct)

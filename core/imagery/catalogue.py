@@ -38,6 +38,11 @@ class CatalogueName(EntrySource):
         """Whether this is the embedded world."""
         return self.entry.kind == "world"
 
+    @property
+    def is_lit_by_sun(self) -> bool:
+        """Whether this is the embedded world."""
+        return self.is_local
+
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
         """Date and grid chosen by the options; the embedded world also has polar charts."""

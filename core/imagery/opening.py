@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Callable
 from ..bands import NO_STRETCH, Bands, source_bands
 from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
+from ..geodesy.sun import SunDirection
 from ..storage.files import file_exists
 from .entry import NAME, PIXELS, CatalogueEntry, find_providers, strictest
 from .placeholder import Placeholder
@@ -42,6 +43,8 @@ class SourceOptions:
         Seed of the embedded world.
     key, secret : str or None
         API key and signing secret; None to read them from the environment.
+    sun : SunDirection or None
+        Sun that lights the embedded world; None for the light of maps. Other sources have their own light.
     date : str or None
         Date of the imagery; None for the source's default.
     crs : str
@@ -80,6 +83,7 @@ class SourceOptions:
     """
 
     seed: int = 2024
+    sun: SunDirection | None = None
     key: str | None = None
     secret: str | None = None
     date: str | None = None
@@ -119,8 +123,8 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
     Raises
     ------
     InvalidInput
-        The text names a map of QGIS, which only the plugin opens; or bands or a stretch are given for a source that is
-        not a raster file.
+        The text names a map of QGIS, which only the plugin opens; bands or a stretch are given for a source that is not
+        a raster file; or a sun for one that is not the embedded world.
     """
     kind = source_kind(text)
     if kind is _QGIS:
@@ -132,7 +136,21 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
     of_kind: type[NamedSource] = getattr(_imported(kind.module), kind.source)
     if not of_kind.has_bands:
         check_colours(text, options.bands, options.stretch)
-    return of_kind(text, options)
+    named = of_kind(text, options)
+    if options.sun is not None and not named.is_lit_by_sun:
+        check_sun(text, options.sun)
+    return named
+
+
+def check_sun(title: str, sun: SunDirection | None) -> None:
+    """Refuse a sun for imagery, whose shadows stay where they were."""
+    if sun is not None:
+        raise InvalidInput(
+            "sun at {0:.1f} degrees: {1} has the light in which it was taken, and only the synthetic world can be lit",
+            sun.height_deg,
+            title,
+            field="sun",
+        )
 
 
 def check_colours(text: str, bands: tuple[str, ...], stretch: str) -> None:
@@ -317,6 +335,16 @@ class NamedSource(ABC):
     def is_local(self) -> bool:
         """Whether the pixels are on this machine, so that no requests are made and no terms apply."""
         return False
+
+    @property
+    def is_lit_by_sun(self) -> bool:
+        """Whether the pixels are computed in the light of the sun of the options."""
+        return False
+
+    @property
+    def sun(self) -> SunDirection | None:
+        """Sun that lights the pixels; None for the light in which they are."""
+        return self.options.sun
 
     @property
     def needs_key(self) -> bool:

@@ -40,6 +40,7 @@ from .parts import (
     Pixels,
     Route,
     Shutter,
+    Sunlight,
     Terrain,
     Varied,
 )
@@ -103,6 +104,7 @@ class Mission:
     terrain: Terrain
     route: Route
     labels: PixelLabels
+    sunlight: Sunlight
     air: Air
     optics: CameraOptics
     exposure: ExposureControl

@@ -29,7 +29,7 @@ from .parts import (
 from .presets import PRESET_NAMES
 
 #: Fields of several values in one text.
-JOINED = ("stretch", "airlight", "vignetting")
+JOINED = ("stretch", "airlight", "vignetting", "sun")
 #: Kinds of missions.
 KINDS = ("single", "list", "raster")
 
@@ -96,6 +96,7 @@ class Option:
             "stretch": (1, 2),
             "airlight": (3, 3),
             "vignetting": (1, 3),
+            "sun": (1, 2),
             "takeoff": (2, 2),
         }
         return cls(

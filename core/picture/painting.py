@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Floats, PixelValues
-from ..bands import Bands, fitted, full
+from ..bands import Bands, fitted
+from ..camera.light import bytes_of_linear, linear_of_bytes
 from ..geodesy.sun import sun_position
 from ..mission.parts import Flight
 from ..mission.plan import Plan
+from ..mission.sunlight import mission_sun
 
 if TYPE_CHECKING:
     from ..geodesy.raytracing.seen_faces import Painted
@@ -35,11 +37,21 @@ def sun_enu(plan: Plan, index: int) -> Floats:
     return np.array([np.cos(up) * np.sin(around), np.cos(up) * np.cos(around), np.sin(up)])
 
 
-def paint(picture: PixelValues, painted: Painted, sun: Floats, bands: Bands) -> None:
-    """Paint faces into a picture (height, width, bands): the shown bands in their colours, others in their grey."""
-    light = AMBIENT + (1.0 - AMBIENT) * np.maximum(painted.normals @ sun, 0.0)
+def lit_colours(plan: Plan, index: int, painted: Painted, white: float) -> Floats:
+    """Colours (k, 3) of faces in their light, which textures have already; ``white`` is the value of white."""
+    sun, normals = mission_sun(plan.mission), painted.normals
+    if sun is None:
+        light = AMBIENT + (1.0 - AMBIENT) * np.maximum(normals @ sun_enu(plan, index), 0.0)
+        light[painted.is_lit] = 1.0
+        return painted.colour * (light / 255.0 * white)[:, np.newaxis]
+    light = sun.light(normals @ sun.enu, normals[:, 2])
     light[painted.is_lit] = 1.0
-    colours = painted.colour * (light / 255.0 * float(full(bands.dtype)))[:, np.newaxis]
+    linear = linear_of_bytes(painted.colour) * light[:, np.newaxis]
+    return bytes_of_linear(linear.astype(np.float32)) * (white / 255.0)
+
+
+def paint(picture: PixelValues, painted: Painted, colours: Floats, bands: Bands) -> None:
+    """Paint faces into a picture (height, width, bands): the shown bands in colours (k, 3), others in their grey."""
     values = np.repeat(colours.mean(axis=1, keepdims=True), len(bands), axis=1)
     if len(bands.shown) == colours.shape[1]:
         values[:, list(bands.shown)] = colours

@@ -18,7 +18,7 @@ from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
 from .camera_frame import parts_of_tiles, render
 from .map_frame import assemble, capture_window, turned
-from .painting import paint, sun_enu
+from .painting import lit_colours, paint
 from .takes import Timing
 
 if TYPE_CHECKING:
@@ -117,7 +117,8 @@ class Take:
         kernel = self.plan.mission.accuracy.resampling
         picture = render(self.view, self.lon_deg, parts, pixels, kernel, bands)
         if self.painted is not None:
-            paint(picture, self.painted, sun_enu(self.plan, self.index), bands)
+            colours = lit_colours(self.plan, self.index, self.painted, float(full(bands.dtype)))
+            paint(picture, self.painted, colours, bands)
         for channel, other in self.others.items():
             picture[..., channel] = other.draw(parts, pixels, bands)[..., channel]
         return picture

@@ -7,9 +7,13 @@ climate    ground colours, forest and settlement, by climate
 division   fields, towns and the roads between them
 parcels    the pieces of land under samples, and distances to their edges
 paint      blending of colours
+rays       the sun over a chart, and rays to it over lattices
 scene      coverage by water, woods, motorways and parcels, shared by all styles
 objects    buildings and trees
 heights    heights of the ground, and of the surface with trees
+relief_light   light of the sun on the relief
+shadows    shadows of houses and trees
+sunlight   light of sun and sky over a picture
 houses     houses as faces with walls and roofs
 styles     the pictures: satellite, roadmap, terrain
 ice        polar ice, with rock, crevasses and drifts

@@ -12,11 +12,15 @@ from .climate import open_water
 from .ice import Ice, blue, icy
 from .paint import Canvas, ramp
 from .scene import Scene
+from .sunlight import faced, shine
 
 
 def satellite(scene: Scene) -> Canvas:
     """Paint ice as seen from the air, over land and sea."""
-    return _covered(scene, styles.satellite, _photographed)
+    facing = faced(scene)
+    canvas = _covered(scene, lambda bare: styles.unlit_satellite(bare, facing), _photographed)
+    shine(canvas, scene, facing)
+    return canvas
 
 
 def roadmap(scene: Scene) -> Canvas:

@@ -110,6 +110,11 @@ class LatticeWindow:
         j = np.arange(self.j0, self.j0 + self.rows, dtype=np.int64)[:, None]
         return i, j
 
+    @property
+    def rows_v(self) -> NDArray[np.float64]:
+        """World fractions of the middles of the rows of cells, from the north, (rows,)."""
+        return (np.arange(self.j0, self.j0 + self.rows) + 0.5) / float(1 << self.level)
+
     def parent(self) -> LatticeWindow:
         """Return the block one level coarser that `refine` needs to fill this one."""
         i0, j0 = self.i0 // 2 - 1, self.j0 // 2 - 1

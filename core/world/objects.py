@@ -11,6 +11,7 @@ from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD
 from .lattice import WORLD_M, Array, LatticeWindow, bits, cell_hash, salt
 from .paint import Canvas, clip01
 from .parcels import Parcels, root_squares
+from .rays import ChartSun
 from .region import Region, neighbourhood
 from .samples import Few, LatticeCells, TilePositions, shared
 from .scene import Scene
@@ -27,6 +28,8 @@ SHADOW_M = 2.6
 EAVES_M = 4.4
 #: Rise of gables, metre per metre: 35 degrees.
 GABLE_RISE = 0.7
+#: Rise of a crown from its edge to its middle, per radius, as light meets it: leaves scatter it.
+_CROWN_RISE = 0.6
 #: Probability of a tree above which a cell counts as wood, whose crowns are wide and touch.
 _WOODED = 0.9
 
@@ -83,20 +86,43 @@ class BuildingOutlines:
         cx *= cy
         return np.asarray(np.maximum(cx, np.float32(0), out=cx))
 
-    def roofs(self) -> list[Array]:
-        """Roof colours at the samples, red, green and blue; the sides of a gable differ in light."""
-        buildings = self.parcels.division.looks.buildings
+    def _entries(self, table: Array) -> Array:
+        return np.asarray(self.parcels.leaf(table).take(self.index, mode="clip"))
 
-        def entries(table: Array) -> Array:
-            return np.asarray(self.parcels.leaf(table).take(self.index, mode="clip"))
-
-        across = np.where(entries(buildings.ridge_x), self.north - self.south, self.west - self.east)
+    def _across(self) -> Array:
+        """Side of the gable: -1 north or west of the ridge, 1 beyond it, and between within a pixel of it."""
+        is_ridge_x = self._entries(self.parcels.division.looks.buildings.ridge_x)
+        across = np.where(is_ridge_x, self.north - self.south, self.west - self.east)
         across *= np.float32(0.5) * np.float32(1.0 / self.parcels.pixel_m)
         np.maximum(across, np.float32(-1), out=across)
-        np.minimum(across, np.float32(1), out=across)
-        across *= entries(buildings.pitch)
+        return np.asarray(np.minimum(across, np.float32(1), out=across))
+
+    def roofs(self, *, is_lit: bool = True) -> list[Array]:
+        """Roof colours at the samples, red, green and blue; if lit, the sides of a gable differ in light."""
+        buildings = self.parcels.division.looks.buildings
+        if not is_lit:
+            return [self._entries(channel) for channel in buildings.roof]
+        across = self._across()
+        across *= self._entries(buildings.pitch)
         light = np.float32(1) - across
-        return [entries(channel) * light for channel in buildings.roof]
+        return [self._entries(channel) * light for channel in buildings.roof]
+
+    def facing(self, sun: ChartSun) -> Array:
+        """Cosine of the angle between roofs and the sun, over that of level ground."""
+        buildings = self.parcels.division.looks.buildings
+        toward = np.where(self._entries(buildings.ridge_x), np.float32(sun.south), np.float32(sun.east))
+        level = np.float32(1.0 / np.hypot(1.0, GABLE_RISE))
+        gable = level + self._across() * toward * (level * np.float32(GABLE_RISE / sun.tangent))
+        return np.asarray(np.where(self._entries(buildings.pitch) == 0, np.float32(1), gable))
+
+    def heights_m(self) -> Array:
+        """Heights of roofs above the ground, in the chart's metres."""
+        buildings = self.parcels.division.looks.buildings
+        inside = np.where(
+            self._entries(buildings.ridge_x), np.minimum(self.north, self.south), np.minimum(self.west, self.east)
+        )
+        rise = np.maximum(inside, np.float32(0)) * np.float32(GABLE_RISE)
+        return np.asarray(np.float32(EAVES_M) + np.where(self._entries(buildings.pitch) == 0, np.float32(0), rise))
 
 
 def footprints(parcels: Parcels) -> BuildingOutlines | None:
@@ -252,10 +278,13 @@ class _Drawn:
         return inverse, dx, dy, self.take(radius * np.float32(0.5 * CELL_M / pixel_m))
 
     def blend(self, cover: Array, colour: Sequence[float | Array]) -> None:
+        self.blend_on(self.canvas, cover, colour)
+
+    def blend_on(self, canvas: Canvas, cover: Array, colour: Sequence[float | Array]) -> None:
         if self.few is not None:
-            self.canvas.touch(self.few.at, (cover, colour))
+            canvas.touch(self.few.at, (cover, colour))
             return
-        for plane, ink in zip(self.canvas.planes, colour):
+        for plane, ink in zip(canvas.planes, colour):
             view = plane.reshape(self.cells.inner())
             step = np.float32(ink) - view if np.ndim(ink) == 0 else ink - view
             step *= cover
@@ -270,14 +299,19 @@ def draw(
     leaf: Array | None,
     contrast: float,
     canopy: Array,
+    lit: tuple[ChartSun, Canvas] | None = None,
 ) -> None:
-    """Draw crowns, lit from the north-west, and shadows unless crowns are dense."""
+    """Draw crowns.
+
+    They are lit from the north-west, with shadows unless they are dense; or, where there is a sun, without light, and
+    what they turn to it is drawn on the canvas given with it.
+    """
     if not crowns.there.any():
         return
     drawn = _Drawn(canvas, cells, crowns)
     one = np.float32(1)
     inverse, dx, dy, sharp = drawn.placed(crowns, pixel_m)
-    if pixel_m < SHADOW_M and drawn.few is not None:
+    if lit is None and pixel_m < SHADOW_M and drawn.few is not None:
         shift = np.float32(SHADOW_M / CELL_M) * inverse
         sx, sy = dx - shift, dy - shift
         shade = (one - (sx * sx + sy * sy)) * sharp
@@ -290,8 +324,16 @@ def draw(
     cover += np.float32(0.5)
     clip01(cover)
     light = np.minimum(q, one, out=q)
-    light += dy
-    light += dx
+    if lit is None:
+        light += dy
+        light += dx
+    else:
+        sun, facing = lit
+        toward = dx * np.float32(sun.east) + dy * np.float32(sun.south)
+        toward *= np.float32(_CROWN_RISE * contrast / sun.tangent)
+        toward += one
+        toward /= np.sqrt(one + light * np.float32((_CROWN_RISE * contrast) ** 2))
+        drawn.blend_on(facing, cover, [toward])
     light *= np.float32(-0.30)
     light += one
     if leaf is not None:

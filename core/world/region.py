@@ -224,6 +224,26 @@ class Region:
             base = refine(base, coarse, fine)
         return np.asarray(self.coefficients[_RIDGED] - base)
 
+    def highest(self, window: LatticeWindow, turns: int) -> tuple[float, float, float]:
+        """Bound `land`, `relief` and hills from above over the region's part of a window of finer cells.
+
+        Fields have all their octaves; ``turns`` is by how many tiles of the region's zoom the window is east of it.
+        """
+        down = window.level - self.level
+        east = turns << (self.level - self.zoom)
+        i0, i1 = (window.i0 >> down) - east, ((window.i0 + window.columns - 1) >> down) - east
+        j0, j1 = window.j0 >> down, (window.j0 + window.rows - 1) >> down
+        own = self.window
+        # A spline lies between the four coefficients around a cell.
+        rows = slice(max(j0 - 1 - own.j0, 0), max(j1 + 3 - own.j0, 1))
+        columns = slice(max(i0 - 1 - own.i0, 0), max(i1 + 3 - own.i0, 1))
+        left_out = [float(_AMPLITUDE[_INDEX["land"], self.level + 1 :].sum())]
+        # Ridges are computed a level finer than their noise, and at most 0.66 of 1.06 high.
+        left_out += [0.66 * 1.06 * float(_AMPLITUDE[_RIDGED, self.level :].sum())] * 2
+        fields = (self.coefficients[_INDEX["land"]], self.coefficients[_RIDGED], self._hills)
+        land, relief, hills = (float(c[rows, columns].max()) + more for c, more in zip(fields, left_out))
+        return land, relief, hills
+
     def slope(self, name: str, samples: Positions) -> tuple[Array, Array]:
         """Evaluate a field's slope per Mercator metre, east and south."""
         c, per_m = self.coefficients[_INDEX[name]], np.float32((1 << self.level) / WORLD_M)

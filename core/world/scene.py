@@ -11,6 +11,7 @@ from . import climate
 from .lattice import Array
 from .paint import ramp
 from .parcels import Parcels
+from .rays import ChartSun
 from .region import Region
 from .samples import Positions
 
@@ -30,10 +31,13 @@ _MOST_STEEPNESS = {
 class Scene:
     """The world around samples; coverages are float32, 0..1, of the samples' shape, or None where all are 0."""
 
-    def __init__(self, seed: int, samples: Positions) -> None:
-        self.seed, self.samples = seed, samples
+    def __init__(
+        self, seed: int, samples: Positions, region: Region | None = None, sun: ChartSun | None = None
+    ) -> None:
+        """Evaluate the world, in its own light where there is no sun, with the region around samples by default."""
+        self.seed, self.samples, self.sun = seed, samples, sun
         self.pixel_m = samples.pixel_m
-        self.region = Region.around(seed, samples)
+        self.region = Region.around(seed, samples) if region is None else region
         self._climates: dict[str, Array] = {}
 
     @cached_property
@@ -153,8 +157,11 @@ class Scene:
         """Slope towards a light in the north-west, compressed into -1..1.
 
         Slopes are reduced by a factor of 0.86 for each zoom below 13, as cartographers do: relief as rough at coarse
-        pixels as a hillside at fine ones would look like much higher mountains.
+        pixels as a hillside at fine ones would look like much higher mountains. With a sun it is 0: the sun's light is
+        laid over the finished picture.
         """
+        if self.sun is not None:
+            return np.zeros(self.samples.shape, np.float32)
         east, south = self.region.slope("relief", self.samples)
         east += south
         coarse = max(13 - self.samples.zoom, 0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from ..bands import Bands
 from ..errors import InvalidInput
 from ..geodesy.mercator import HALF_WORLD_M, PixelGrid, WebMercator
 from ..geodesy.planes import ProjectedPlane
+from ..geodesy.sun import SunDirection
 from ..geodesy.triangles import NO_FACES, FaceModel
 from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import SourceOptions
@@ -21,6 +23,7 @@ from . import caps, styles
 from .heights import ground_m, surface_m
 from .houses import WorldHouses
 from .lattice import TILE_PX, Array, chart_seed
+from .rays import ChartSun
 from .samples import Grid, group_points
 from .scene import Scene
 
@@ -64,10 +67,13 @@ class World:
         CRS of the chart: empty or ``EPSG:3857`` for Web Mercator; ``EPSG:3413`` or ``EPSG:3031`` for the polar
         stereographic square about the North or South Pole. The square is as wide as the Mercator map, in metres of its
         CRS, so that pixels of a zoom have the same size. Each of the three is a different landscape.
+    sun : SunDirection or None
+        Sun that lights the satellite imagery, with shadows of relief, houses and trees; None for the light of maps.
     """
 
     seed: int = 2024
     crs: str = ""
+    sun: SunDirection | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "crs", _chart(self.crs))
@@ -120,6 +126,10 @@ class World:
         """Number of the chart's landscape, see `lattice.chart_seed`."""
         return chart_seed(self.seed, _POLES.get(self.crs, 0))
 
+    @cached_property
+    def _chart_sun(self) -> ChartSun | None:
+        return None if self.sun is None else ChartSun.of(self.sun, self.landscape)
+
     def heights(self, zoom: int, x: int, y: int, *, bare: bool = False) -> NDArray[np.float32]:
         """Return the heights of a tile: metres over the ellipsoid at its pixels' centres, (256, 256), from the north.
 
@@ -145,7 +155,7 @@ class World:
     def _paint_points(self, painter: styles.Painter, u: Array, v: Array, zoom: Array) -> NDArray[np.float32]:
         out = np.empty((u.size, 3), dtype=np.float32)
         for at, samples in group_points(u, v, zoom):
-            out[at] = painter(Scene(self.landscape, samples)).pixels()
+            out[at] = painter(Scene(self.landscape, samples, sun=self._chart_sun)).pixels()
         return out
 
     def tile(self, style: str, zoom: int, x: int, y: int) -> NDArray[np.uint8]:
@@ -158,7 +168,7 @@ class World:
         """
         painter = self._painter(style)
         self._check_tile(zoom, x, y)
-        return painter(Scene(self.landscape, Grid(int(zoom), int(x), int(y)))).rounded()
+        return painter(Scene(self.landscape, Grid(int(zoom), int(x), int(y)), sun=self._chart_sun)).rounded()
 
     @staticmethod
     def _check_tile(zoom: int, x: int, y: int) -> None:
@@ -179,12 +189,17 @@ class WorldSource:
     policy = Policy()
     date = ""
 
-    def __init__(self, seed: int = 2024, crs: str = "") -> None:
-        self.world = World(seed, crs)
+    def __init__(self, seed: int = 2024, crs: str = "", sun: SunDirection | None = None) -> None:
+        self.world = World(seed, crs, sun)
         self.grid = chart_grid(crs)
         # After each tile glibc returns its memory to the system, and allocating it again takes a quarter of a tile's
         # time. Freeing one large block raises the threshold for that (mallopt(3), M_TRIM_THRESHOLD).
         np.empty(1 << 24, dtype=np.uint8)
+
+    @property
+    def sun(self) -> SunDirection | None:
+        """Sun that lights the satellite imagery; None for the light of maps."""
+        return self.world.sun
 
     def parts(self, window: Window) -> list[Part]:
         """Return the tiles that fill a window."""
@@ -233,5 +248,5 @@ def chart_grid(crs: str) -> PixelGrid:
 
 
 def open_entry(_entry: CatalogueEntry, _date: str, _key: str | None, options: SourceOptions) -> WorldSource:
-    """Open the world of the seed and CRS in the options."""
-    return WorldSource(options.seed, options.crs)
+    """Open the world of the seed and CRS in the options, in the light of their sun."""
+    return WorldSource(options.seed, options.crs, options.sun)

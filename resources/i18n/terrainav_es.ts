@@ -9026,6 +9026,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>el plan es para otra cuadrícula de píxeles que la de {0}: planifique con la de la fuente</translation>
     </message>
     <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>sun {0}: {1} is opened in another light; open it with the mission's sun</source>
+        <translation>sol {0}: {1} está abierta con otra luz; ábrala con el sol de la misión</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/pipeline.py"/>
         <source>not begun: the run was stopped</source>
         <translation>no se ha empezado: se detuvo la ejecución</translation>
@@ -10552,6 +10557,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>sistema de referencia de coordenadas: {0} caracteres: no debe tener más de {1}</translation>
     </message>
     <message>
+        <location filename="../../core/geodesy/sun.py"/>
+        <source>sun at a height of {0:g} degrees: must be above 0 and at most 90</source>
+        <translation>sol a una altura de {0:g} grados: debe ser mayor que 0 y como máximo 90</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/sun.py"/>
+        <source>sun at an azimuth of {0:g} degrees: must be -360 to 360</source>
+        <translation>sol en un acimut de {0:g} grados: debe estar entre -360 y 360</translation>
+    </message>
+    <message>
         <location filename="../../core/geodesy/vertical.py"/>
         <source>vertical datum {0!r}: must be {1}, {2}, {3} or the code of a vertical system</source>
         <translation>dátum vertical {0!r}: debe ser {1}, {2}, {3} o el código de un sistema vertical</translation>
@@ -11172,6 +11187,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/imagery/opening.py"/>
         <source>stretch {0}: {1} has 8 bits, as all sources but raster files</source>
         <translation>realce {0}: {1} tiene 8 bits, como todas las fuentes salvo los archivos ráster</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>sun at {0:.1f} degrees: {1} has the light in which it was taken, and only the synthetic world can be lit</source>
+        <translation>sol a {0:.1f} grados: {1} tiene la luz con la que se tomó, y solo se puede iluminar el mundo sintético</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
@@ -12846,6 +12866,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts/sunlight.py"/>
         <source>sun</source>
         <translation>sol</translation>
     </message>
@@ -15681,6 +15702,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>tiempo desde la exposición de una fila de píxeles hasta la de la siguiente (obturador rodante), de la parte superior de la imagen a la inferior; 0 para un obturador global</translation>
     </message>
     <message>
+        <location filename="../../core/mission/parts/sunlight.py"/>
+        <source>sun over the synthetic world, whose relief, houses and trees it lights and whose shadows it casts: off; time, for where it stands at the start of the flight; or its height and azimuth in degrees, such as 30 135. Photographs have the light in which they were taken</source>
+        <translation>sol sobre el mundo sintético, que ilumina su relieve, sus casas y sus árboles y proyecta sus sombras: off, sin sol; time, donde está al inicio del vuelo; o su altura y su acimut en grados, como 30 135. Las fotografías tienen la luz con la que se tomaron</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/sunlight.py"/>
+        <source>sun {0!r}: must be {1}, {2}, or its height and azimuth in degrees, such as 30 135</source>
+        <translation>sol {0!r}: debe ser {1}, {2}, o su altura y su acimut en grados, como 30 135</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/parts/terrain.py"/>
         <source>As the source says</source>
         <translation>Lo que diga la fuente</translation>
@@ -16201,6 +16232,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>{0} {1}: necesita también {2}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/sunlight.py"/>
+        <source>start by day{0}, or give its height and azimuth</source>
+        <translation>empiece de día{0}, o indique su altura y su acimut</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/sunlight.py"/>
+        <source>state it{0}</source>
+        <translation>indíquelo{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/sunlight.py"/>
+        <source>sun {0}: at {1} it is {2:.1f} degrees below the horizon</source>
+        <translation>sol {0}: a las {1} está {2:.1f} grados bajo el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/sunlight.py"/>
+        <source>sun {0}: needs the start of the flight</source>
+        <translation>sol {0}: necesita el inicio del vuelo</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/views.py"/>
         <source>view of a map frame: its image is a window of the source as it is</source>
         <translation>vista de un encuadre de mapa: su imagen es una ventana de la fuente tal como es</translation>
@@ -16281,6 +16332,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/picture/effects.py"/>
         <source>effects of a real camera: need grey, or red, green and blue of 8 bits, and the source gives {0}</source>
         <translation>efectos de una cámara real: necesitan gris, o rojo, verde y azul de 8 bits, y la fuente da {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/effects.py"/>
+        <source>lens with a scale of red or blue: needs red, green and blue of 8 bits, and the source gives {0}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/picture/heights.py"/>

@@ -21,6 +21,7 @@ from tests.core.remedies import (  # noqa: F401
     poses,
     relief,
     routes,
+    sunlight,
     varied,
 )
 from tests.support.remedies import ENTRIES, Case, places, unknown_beginnings

@@ -86,6 +86,7 @@ _OTHERS = {
     "date": "2024-06-21",
     "bands": ("4", "1", "2"),
     "stretch": "-10 4000.5",
+    "sun": "30 135",
     "crs": "EPSG:2056",
     "imageries": ("old=world@2014", "new=world"),
     "elevation": ("world",),

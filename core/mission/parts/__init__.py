@@ -11,6 +11,7 @@ In reading order:
 - `exposure`: exposure, white balance and tone
 - `shutter`: motion blur and rolling shutter
 - `sensor`: pixels, noise and converter of the image sensor
+- `sunlight`: sun and sky over the synthetic world
 - `varied`: random values of images
 """
 
@@ -60,6 +61,7 @@ from .pictures import (
 )
 from .sensor import NO_BAYER, ImageSensor
 from .shutter import Shutter
+from .sunlight import BY_START, NO_SUN, Sunlight
 from .terrain import (
     ELLIPSOID,
     FILL,
@@ -79,6 +81,7 @@ __all__ = [
     "AUTO",
     "BY_DISTANCE",
     "BY_ISO",
+    "BY_START",
     "BY_TIME",
     "BY_WAYPOINT",
     "CLASSES",
@@ -106,6 +109,7 @@ __all__ = [
     "NEAREST",
     "NORTH",
     "NO_BAYER",
+    "NO_SUN",
     "NO_VIGNETTING",
     "ONE_WAY",
     "PAPER",
@@ -131,6 +135,7 @@ __all__ = [
     "Pixels",
     "Route",
     "Shutter",
+    "Sunlight",
     "Terrain",
     "Varied",
     "utc_time",
@@ -146,6 +151,7 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "terrain": Terrain,
     "route": Route,
     "labels": PixelLabels,
+    "sunlight": Sunlight,
     "air": Air,
     "optics": CameraOptics,
     "exposure": ExposureControl,
@@ -156,4 +162,4 @@ FLAT_PARTS: dict[str, type[CheckedFields]] = {
 }
 
 #: Parts of a real camera's effects, in the order in which light meets them; with their defaults a camera is ideal.
-REALISM_PARTS: tuple[str, ...] = ("air", "optics", "exposure", "shutter", "sensor", "varied")
+REALISM_PARTS: tuple[str, ...] = ("sunlight", "air", "optics", "exposure", "shutter", "sensor", "varied")

@@ -41,6 +41,7 @@ OTHERS = {
     "crs": "EPSG:2056",
     "bands": ["1"],
     "stretch": "percentile",
+    "sun": "30 135",
     "start": "2030-01-01T10:00:00Z",
     "facing": "track",
     "img_size": [64, 48, 3],
