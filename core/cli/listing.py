@@ -178,6 +178,7 @@ def run_cameras(arguments: argparse.Namespace) -> int:
 
 
 def _list_cameras(arguments: argparse.Namespace) -> int:
+    from ..geodesy.lens import LENS_FIELDS
     from ..mission.cameras import camera_shelf, shipped_cameras
 
     user_cameras = camera_shelf()
@@ -196,6 +197,7 @@ def _list_cameras(arguments: argparse.Namespace) -> int:
                 "focal_length_mm": preset.focal_length_mm,
                 "size_px": None if preset.width_px is None else [preset.width_px, preset.height_px],
                 "image_px": preset.image_px,
+                "lens": None if preset.camera.is_ideal else {one: getattr(preset.camera, one) for one in LENS_FIELDS},
                 "source": preset.source,
                 "user": preset.user,
             }

@@ -12,6 +12,7 @@ from ..addresses import without_credentials
 from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ..capture.choices import FOLDERS, IMAGES, LAYOUTS
 from ..dataset.folder import PARTS
+from ..geodesy.lens import LENSES
 from ..mission.options import OPTIONS, share
 from ..mission.parts import ALIGNMENTS
 from ..numbers import integer, real_number
@@ -400,6 +401,7 @@ def _add_cameras(listing: argparse.ArgumentParser) -> None:
     adding = actions.add_parser("add", help="save a camera under a name, by one field of view, or by sensor and lens")
     adding.add_argument("name", metavar="NAME", help="such as 'Sony RX1 35 mm'")
     pair: dict[str, Any] = {"nargs": 2, "metavar": ("W", "H")}
+    point: dict[str, Any] = {"nargs": 2, "metavar": ("X", "Y")}
     options: tuple[tuple[str, str, type, dict[str, Any], str], ...] = (
         ("fov", "fov_deg", float, {"metavar": "DEG"}, "diagonal field of view in degrees"),
         ("hfov", "horizontal_fov_deg", float, {"metavar": "DEG"}, "horizontal field of view in degrees"),
@@ -409,6 +411,17 @@ def _add_cameras(listing: argparse.ArgumentParser) -> None:
         ("aspect-ratio", "aspect_ratio", float, pair, "width and height of the image, such as 4 3"),
         ("size-px", "size_px", int, pair, "width and height of the image in pixels instead"),
         ("image-px", "image_px", int, {"metavar": "N"}, "pixels along the longer side, with --aspect-ratio"),
+        ("focal-px", "focal_px", float, {"metavar": "PX"}, "focal length in pixels, with --size-px"),
+        ("principal-px", "principal_px", float, point, "principal point in pixels, with --size-px"),
+        ("lens", "lens", str, {"choices": tuple(LENSES)}, "kind of the lens"),
+        *(
+            (name, name.replace("-", "_"), float, {"metavar": "X"}, text)
+            for name, text in (
+                *((f"k{at}", "radial coefficient of the lens, as OpenCV defines it") for at in range(1, 7)),
+                *((f"p{at}", "tangential coefficient of the lens, as OpenCV defines it") for at in (1, 2)),
+                *((f"{one}-scale", f"magnification of {one} relative to green, minus 1") for one in ("red", "blue")),
+            )
+        ),
     )
     for name, fact, kind, shown, text in options:
         adding.add_argument(f"--{name}", dest=fact, type=kind, help=text, **shown)

@@ -91,13 +91,11 @@ class Camera(Lens):
 
     def of_colour(self, colour: str) -> Camera:
         """Camera of one colour: ``red``, ``green`` or ``blue``."""
-        scale = 1.0 + {"red": self.red_scale, "green": 0.0, "blue": self.blue_scale}[colour]
         if not self.splits_colours:
             return self
-        if scale == 1.0:
-            return replace(self, red_scale=0.0, blue_scale=0.0)
-        half = math.hypot(*self.half_tangents) / scale
-        return replace(self, fov_deg=self._across_deg(half), red_scale=0.0, blue_scale=0.0)
+        scale = {"red": self.red_scale, "green": 0.0, "blue": self.blue_scale}[colour]
+        plain = replace(self, red_scale=0.0, blue_scale=0.0)
+        return plain.enlarged(1.0 + scale) if scale else plain
 
     @property
     def extremes(self) -> Extremes:

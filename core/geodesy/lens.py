@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from ..errors import InvalidInput
@@ -17,6 +17,10 @@ SQUARE_PIXELS = 0.03
 PAPER_FOV_DEG = 78.8
 #: Aspect ratio of the paper's camera.
 PAPER_ASPECT_RATIO = 4.0 / 3.0
+#: Fields that distort pictures, besides the kind of lens.
+_DISTORTION = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "principal_x", "principal_y")
+#: Fields of a lens besides the field of view and the shape of its image.
+LENS_FIELDS = ("lens", *_DISTORTION, "red_scale", "blue_scale")
 #: Kinds of lenses.
 PERSPECTIVE, FISHEYE = "perspective", "fisheye"
 LENSES = {PERSPECTIVE: "perspective", FISHEYE: "fisheye"}
@@ -107,7 +111,9 @@ class Lens(CheckedFields):
     )
 
     @classmethod
-    def from_horizontal_fov(cls: type[_Lens], fov_deg: float, aspect_ratio: float = PAPER_ASPECT_RATIO) -> _Lens:
+    def from_horizontal_fov(
+        cls: type[_Lens], fov_deg: float, aspect_ratio: float = PAPER_ASPECT_RATIO, lens: str = PERSPECTIVE
+    ) -> _Lens:
         """Camera by its horizontal field of view h: the diagonal one is 2 atan(tan(h/2) sqrt(1 + a^2) / a).
 
         Parameters
@@ -116,6 +122,8 @@ class Lens(CheckedFields):
             Horizontal field of view, in (0, 180) degrees.
         aspect_ratio : float
             Image width over image height, a, > 0.
+        lens : str
+            Of a fisheye, the diagonal field of view is h sqrt(1 + a^2) / a.
 
         Raises
         ------
@@ -123,16 +131,25 @@ class Lens(CheckedFields):
             Outside the domain, or where the diagonal field of view rounds to 180 degrees.
         """
         _check_side("horizontal", fov_deg, aspect_ratio)
-        return cls._across(_half_tangent(fov_deg) * math.hypot(1.0, 1.0 / aspect_ratio), aspect_ratio)
+        return cls._across(_half_size(fov_deg, lens) * math.hypot(1.0, 1.0 / aspect_ratio), aspect_ratio, lens)
 
     @classmethod
-    def from_vertical_fov(cls: type[_Lens], fov_deg: float, aspect_ratio: float = PAPER_ASPECT_RATIO) -> _Lens:
+    def from_vertical_fov(
+        cls: type[_Lens], fov_deg: float, aspect_ratio: float = PAPER_ASPECT_RATIO, lens: str = PERSPECTIVE
+    ) -> _Lens:
         """Camera by its vertical field of view v: the diagonal one is 2 atan(tan(v/2) sqrt(1 + a^2)).
 
         Parameters and errors are those of `from_horizontal_fov`.
         """
         _check_side("vertical", fov_deg, aspect_ratio)
-        return cls._across(_half_tangent(fov_deg) * math.hypot(1.0, aspect_ratio), aspect_ratio)
+        return cls._across(_half_size(fov_deg, lens) * math.hypot(1.0, aspect_ratio), aspect_ratio, lens)
+
+    @classmethod
+    def from_focal_px(
+        cls: type[_Lens], size_px: tuple[float, float], focal_px: float, lens: str = PERSPECTIVE
+    ) -> _Lens:
+        """Camera by the size of its image and its focal length, > 0 each, as calibrations state them."""
+        return cls._across(math.hypot(*size_px) / 2.0 / focal_px, size_px[0] / size_px[1], lens)
 
     @classmethod
     def from_sensor(
@@ -140,6 +157,7 @@ class Lens(CheckedFields):
         sensor_mm: tuple[float, float],
         focal_length_mm: float,
         aspect_ratio: float | None = None,
+        lens: str = PERSPECTIVE,
     ) -> _Lens:
         """Camera by its data sheet: the diagonal field of view is 2 atan(sqrt(w^2 + h^2) / (2 f)).
 
@@ -152,6 +170,8 @@ class Lens(CheckedFields):
         aspect_ratio : float or None
             Aspect ratio of the image in pixels, which data sheets state exactly while they round the sensor's size;
             None for that of the sensor.
+        lens : str
+            Of a fisheye, the diagonal field of view is sqrt(w^2 + h^2) / f.
 
         Raises
         ------
@@ -174,19 +194,19 @@ class Lens(CheckedFields):
                 ratio,
                 remedy="give the part of the sensor that the image shows",
             )
-        return cls._across(math.hypot(width_mm, height_mm) / 2.0 / focal_length_mm, ratio)
+        return cls._across(math.hypot(width_mm, height_mm) / 2.0 / focal_length_mm, ratio, lens)
 
     @classmethod
-    def _across(cls: type[_Lens], half_tangent: float, aspect_ratio: float) -> _Lens:
-        """Camera by the tangent of half its diagonal field of view."""
-        fov_deg = _fov_deg(half_tangent)
+    def _across(cls: type[_Lens], half_size: float, aspect_ratio: float, lens: str) -> _Lens:
+        """Camera by half its image's diagonal in focal lengths."""
+        fov_deg = _across_deg(half_size, lens)
         if not 0.0 < fov_deg < 180.0:
             raise InvalidInput(
                 "field of view across the diagonal {0:g} deg: must be between 0 and 180, both excluded",
                 fov_deg,
                 remedy="choose a less extreme field of view or aspect ratio",
             )
-        return cls(fov_deg, aspect_ratio)
+        return cls(fov_deg, aspect_ratio) if lens == PERSPECTIVE else cls(fov_deg, aspect_ratio, lens)
 
     @property
     def distorts(self) -> bool:
@@ -211,7 +231,7 @@ class Lens(CheckedFields):
         view: equation 2 of the paper, without its sine and cosine of an arctangent, which lose all digits of the height
         at extreme aspect ratios.
         """
-        diagonal = _half_tangent(self.fov_deg) if self.lens == PERSPECTIVE else math.radians(self.fov_deg) / 2.0
+        diagonal = _half_size(self.fov_deg, self.lens)
         return (
             diagonal * (self.aspect_ratio / math.hypot(1.0, self.aspect_ratio)),
             diagonal / math.hypot(1.0, self.aspect_ratio),
@@ -220,16 +240,16 @@ class Lens(CheckedFields):
     @property
     def horizontal_fov_deg(self) -> float:
         """Horizontal field of view in degrees, without distortion."""
-        return self._across_deg(self.half_tangents[0])
+        return _across_deg(self.half_tangents[0], self.lens)
 
     @property
     def vertical_fov_deg(self) -> float:
         """Vertical field of view in degrees, without distortion."""
-        return self._across_deg(self.half_tangents[1])
+        return _across_deg(self.half_tangents[1], self.lens)
 
-    def _across_deg(self, half: float) -> float:
-        """Field of view in degrees across twice ``half`` focal lengths of the image."""
-        return _fov_deg(half) if self.lens == PERSPECTIVE else math.degrees(2.0 * half)
+    def enlarged(self: _Lens, scale: float) -> _Lens:
+        """Camera with its focal length times ``scale``."""
+        return replace(self, fov_deg=_across_deg(math.hypot(*self.half_tangents) / scale, self.lens))
 
     def ground_size_m(self, agl_m: float) -> tuple[float, float]:
         """Width and height in metres of flat ground seen straight down from ``agl_m`` (equations 1, 2)."""
@@ -256,10 +276,6 @@ class Lens(CheckedFields):
         return gsd_m_per_px * longer_side_px / (2.0 * max(self.half_tangents))
 
 
-#: Fields that distort pictures, besides the kind of lens.
-_DISTORTION = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "principal_x", "principal_y")
-
-
 def _half_tangent(fov_deg: float) -> float:
     """tan(fov/2); above 90° through the complement, which keeps the digits of the argument."""
     if fov_deg <= 90.0:
@@ -267,9 +283,14 @@ def _half_tangent(fov_deg: float) -> float:
     return 1.0 / math.tan(math.radians(180.0 - fov_deg) / 2.0)
 
 
-def _fov_deg(half_tangent: float) -> float:
-    """Inverse of `_half_tangent`, in degrees."""
-    return math.degrees(2.0 * math.atan(half_tangent))
+def _half_size(fov_deg: float, lens: str) -> float:
+    """Half of an image in focal lengths, across a field of view."""
+    return math.radians(fov_deg) / 2.0 if lens == FISHEYE else _half_tangent(fov_deg)
+
+
+def _across_deg(half_size: float, lens: str) -> float:
+    """Inverse of `_half_size`, in degrees."""
+    return math.degrees(2.0 * (half_size if lens == FISHEYE else math.atan(half_size)))
 
 
 def _check_side(side: str, fov_deg: float, aspect_ratio: float) -> None:

@@ -4,18 +4,32 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import InvalidInput, Message
+from ..fields import field_named
 from ..geodesy.camera import Camera
+from ..geodesy.lens import LENS_FIELDS, PERSPECTIVE, Lens
 from ..resources import read_json
 from ..storage.config import Shelf, config_file, read_named, read_shelf, write_named
 
 #: Facts that state the field of view; a camera has one of them.
-_VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
+_VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm", "focal_px")
+#: Coefficients of a lens.
+_COEFFICIENTS = tuple(name for name in LENS_FIELDS if name not in ("lens", "principal_x", "principal_y"))
 #: All facts of a camera.
-FACTS = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
+FACTS = (
+    *_VIEWS,
+    "focal_length_mm",
+    "aspect_ratio",
+    "size_px",
+    "image_px",
+    "lens",
+    *_COEFFICIENTS,
+    "principal_px",
+    "source",
+)
 _FILE = "cameras.json"
 
 
@@ -58,6 +72,9 @@ class CameraPreset:
         default that of the sensor. Sizes and ratios are lists of width and height. Without ``size_px``, ``image_px``
         gives the pixels along the longer side. ``source`` names the origin of the facts.
 
+        A calibration with OpenCV gives ``focal_px`` instead of a field of view, ``principal_px`` (its cx and cy), both
+        with ``size_px``, and the coefficients ``k1`` to ``k6``, ``p1`` and ``p2``, for a fisheye with ``lens``.
+
         Raises
         ------
         InvalidInput
@@ -81,17 +98,34 @@ class CameraPreset:
         shape = size_px or (_pair(data, "aspect_ratio") if "aspect_ratio" in data else None)
         ratio = None if shape is None else shape[0] / shape[1]
         sensor_mm, focal_length_mm = None, None
+        lens = field_named(Lens, "lens").settled(data.get("lens", PERSPECTIVE))
         if view == "sensor_mm":
             sensor_mm, focal_length_mm = _pair(data, view), _number(data, "focal_length_mm")
-            camera = Camera.from_sensor(sensor_mm, focal_length_mm, ratio)
+            camera = Camera.from_sensor(sensor_mm, focal_length_mm, ratio, lens)
+        elif view == "focal_px":
+            if size_px is None:
+                raise InvalidInput("{0} {1!r}: needs size_px beside it", view, data[view])
+            camera = Camera.from_focal_px(size_px, _number(data, view), lens)
         elif ratio is None:
             raise InvalidInput("{0} {1!r}: needs aspect_ratio or size_px beside it", view, data[view])
         else:
-            make = {"fov_deg": Camera, "horizontal_fov_deg": Camera.from_horizontal_fov}
-            camera = make.get(view, Camera.from_vertical_fov)(_number(data, view), ratio)
+            make = {"horizontal_fov_deg": Camera.from_horizontal_fov, "vertical_fov_deg": Camera.from_vertical_fov}
+            camera = make.get(view, Camera)(_number(data, view), ratio, lens)
+        camera = replace(camera, **_distortion(data, size_px))
         width_px, height_px = (None, None) if size_px is None else map(int, size_px)
         image_px = _image_px(data) if size_px is None else int(max(size_px))
         return cls(name, camera, width_px, height_px, source, sensor_mm, focal_length_mm, image_px, user)
+
+
+def _distortion(data: Mapping[str, Any], size_px: tuple[float, float] | None) -> dict[str, Any]:
+    """Fields of the lens that facts state, besides its kind."""
+    found = {name: data[name] for name in _COEFFICIENTS if name in data}
+    if "principal_px" in data:
+        if size_px is None:
+            raise InvalidInput("{0} {1!r}: needs size_px beside it", "principal_px", data["principal_px"])
+        x, y = (at / size - 0.5 for at, size in zip(_pair(data, "principal_px"), size_px))
+        found.update(principal_x=x, principal_y=y)
+    return found
 
 
 def _check_facts(data: Mapping[str, Any]) -> str:

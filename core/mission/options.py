@@ -179,6 +179,12 @@ def _image_px() -> Option:
     return replace(option, default=None, about=f"{option.about}; default {option.default}")
 
 
+def _lens() -> Iterator[Option]:
+    """Options of the lens, which a camera by name may have set."""
+    for option in _fields(Lens, but=("fov_deg", "aspect_ratio")):
+        yield replace(option, default=None, about="; ".join(filter(None, (option.about, f"default {option.default}"))))
+
+
 def _flight() -> Iterator[Option]:
     """Options of the flight, of which the airspeed may be ``auto``."""
     for option in _fields(Flight, but=("agl_m", "overlap_along", "overlap_across")):
@@ -236,6 +242,7 @@ OPTIONS: tuple[Option, ...] = (
     ),
     Option("focal_length", float, None, "real focal length of the lens in mm, with --sensor"),
     Option("aspect_ratio", float, None, "width and height of the image (4 3)", count=(2, 2), metavar=("W", "H")),
+    *_lens(),
     *_fields(Attitude),
     Option(
         "overlap",

@@ -14,6 +14,7 @@ from typing import Any
 
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
+from ..geodesy.lens import LENS_FIELDS, PERSPECTIVE
 from ..limits import MAX_SETTINGS_BYTES
 from ..storage.files import read_limited
 from ..text.safe_json import parse_json
@@ -224,24 +225,26 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
 def build_camera(values: Mapping[str, Any]) -> tuple[Camera, int]:
     """Build the camera, and find the pixels along its image's longer side; raises InvalidInput."""
     _check_one_camera(values)
+    lens = {name: values[name] for name in LENS_FIELDS if values[name] is not None}
     if values["camera"] is not None:
         preset = camera_named(values["camera"])
-        return preset.camera, preset.image_px or Pixels.image_px
-    return _camera_by_numbers(values), Pixels.image_px
+        return replace(preset.camera, **lens), preset.image_px or Pixels.image_px
+    return replace(_camera_by_numbers(values), **lens), Pixels.image_px
 
 
 def _camera_by_numbers(values: Mapping[str, Any]) -> Camera:
-    shape = values["aspect_ratio"]
+    """Camera by its field of view, or by sensor and focal length, without distortion."""
+    shape, lens = values["aspect_ratio"], values["lens"] or PERSPECTIVE
     if shape is not None and not (shape[0] > 0.0 and shape[1] > 0.0):
         raise InvalidInput("aspect ratio {0:g} {1:g}: width and height must be above 0", shape[0], shape[1])
     if values["sensor"] is not None:
         stated = None if shape is None else shape[0] / shape[1]
-        return Camera.from_sensor(values["sensor"], values["focal_length"], stated)
+        return Camera.from_sensor(values["sensor"], values["focal_length"], stated, lens)
     ratio = Camera.aspect_ratio if shape is None else shape[0] / shape[1]
     if values["hfov"] is not None:
-        return Camera.from_horizontal_fov(values["hfov"], ratio)
+        return Camera.from_horizontal_fov(values["hfov"], ratio, lens)
     if values["vfov"] is not None:
-        return Camera.from_vertical_fov(values["vfov"], ratio)
+        return Camera.from_vertical_fov(values["vfov"], ratio, lens)
     return Camera(Camera.fov_deg if values["fov"] is None else values["fov"], ratio)
 
 

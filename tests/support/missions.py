@@ -80,6 +80,8 @@ missions = st.builds(
 
 #: Values of texts, lists and pairs other than their defaults; those of other fields follow from the declaration.
 _OTHERS = {
+    **dict.fromkeys(("k1", "k2", "k3", "k4", "k5", "k6"), 0.01),
+    **dict.fromkeys(("p1", "p2"), 1e-3),
     "facing": "33.5",
     "start": "2024-06-21T12:00:00Z",
     "source": "pattern",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 
 import pytest
 from terrainav.core.errors import InvalidInput, OutputError
@@ -14,6 +15,7 @@ from terrainav.core.mission.cameras import (
     cameras,
     remove_camera,
 )
+from terrainav.core.mission.settings import build_camera, resolve
 
 WIDE = {"horizontal_fov_deg": 100.0, "aspect_ratio": [16, 9]}
 
@@ -151,3 +153,56 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "file"))
     with pytest.raises((OutputError, InvalidInput), match="file"):
         add_camera("Mine", WIDE)
+
+
+def test_a_calibrated_camera_has_its_lens():
+    facts = {
+        "focal_px": 1000.0,
+        "size_px": [1280, 960],
+        "principal_px": [650.0, 470.4],
+        "k1": -0.2,
+        "k2": 0.05,
+        "p1": 1e-3,
+        "source": "calibration",
+    }
+    camera = add_camera("Mine", facts).camera
+    assert camera_named("mine").camera == camera
+    assert (camera.k1, camera.k2, camera.p1, camera.k3) == (-0.2, 0.05, 1e-3, 0.0)
+    assert camera.principal_x == pytest.approx(650.0 / 1280.0 - 0.5)
+    assert camera.principal_y == pytest.approx(470.4 / 960.0 - 0.5)
+    assert camera.half_tangents == pytest.approx((0.64, 0.48))
+    wide = add_camera("Fisheye", {"focal_px": 600.0, "size_px": [1280, 960], "lens": "fisheye", "k4": 1e-4}).camera
+    assert wide.lens == "fisheye"
+    assert wide.half_tangents == pytest.approx((64.0 / 60.0, 0.8))
+    assert wide.horizontal_fov_deg == pytest.approx(math.degrees(128.0 / 60.0))
+
+
+@pytest.mark.parametrize(
+    ("facts", "says"),
+    [
+        ({"focal_px": 500.0, "aspect_ratio": [4, 3]}, "focal_px 500.0: needs size_px beside it"),
+        ({"principal_px": [1, 2], **WIDE}, r"principal_px \[1, 2\]: needs size_px beside it"),
+        ({"k1": "a", **WIDE}, "distortion k1 'a': must be a number"),
+        ({"k1": -3.0, **WIDE}, "folds the image"),
+        ({"lens": "pinhole", **WIDE}, "must be one of perspective, fisheye"),
+        ({"focal_px": 100.0, "fov_deg": 60.0, "size_px": [4, 3]}, "fov_deg and focal_px: give one of"),
+        ({"focal_px": 1e-3, "size_px": [4, 3], "lens": "fisheye"}, "field of view across the diagonal"),
+    ],
+)
+def test_calibrations_that_are_refused(facts, says):
+    with pytest.raises(InvalidInput, match=says):
+        add_camera("Wrong", facts)
+
+
+def test_options_of_a_lens_change_a_named_camera():
+    add_camera("Mine", {"fov_deg": 60.0, "aspect_ratio": [4, 3], "k1": -0.1, "p1": 1e-3})
+    camera, _ = build_camera(resolve({"camera": "mine", "k1": -0.2}, {}))
+    assert (camera.fov_deg, camera.k1, camera.p1) == (60.0, -0.2, 1e-3)
+    camera, _ = build_camera(
+        resolve({"hfov": 120.0, "lens": "fisheye", "k2": "-0.01"}, {"TERRAINAV_BLUE_SCALE": "0.001"})
+    )
+    assert camera.horizontal_fov_deg == pytest.approx(120.0)
+    assert camera.blue_scale == 1e-3
+    camera, _ = build_camera(resolve({"sensor": (12.8, 9.6), "focal_length": 8.0, "lens": "fisheye"}, {}))
+    assert camera.half_tangents == pytest.approx((0.8, 0.6))
+    assert build_camera(resolve({}, {}))[0] == Camera()
