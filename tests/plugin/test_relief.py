@@ -155,11 +155,12 @@ def test_products_are_ticked(desk):
         "facades": False,
         "classes": False,
         "instances": False,
+        "raw": False,
     }
     assert desk.session.state().products == ("normals", "depth")
     for box in boxes:
         box.click()
-    assert desk.session.state().products == ("points", "facades", "classes", "instances")
+    assert desk.session.state().products == ("points", "facades", "classes", "instances", "raw")
 
 
 def test_a_hole_below_the_flight_is_said_at_the_entry(desk, dem):

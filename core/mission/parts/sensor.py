@@ -101,7 +101,7 @@ class ImageSensor(CheckedFields):
         help="standard deviation of the pixels' fixed sensitivities (PRNU); the named sensor's, unless given",
         unit="share",
         least=0.0,
-        below=0.25,
+        most=0.25,
         suggested=0.005,
         advanced=True,
     )

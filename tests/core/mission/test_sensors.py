@@ -109,7 +109,7 @@ def test_a_sensor_of_ones_own_has_the_noise_that_is_given():
     [
         ({"image_sensor": ALVIUM, "read_noise_e": -3.0}, "read noise -3.0 e-: must be from 0"),
         ({"image_sensor": ALVIUM, "dsnu_e": -1.0}, "dark signal non-uniformity -1.0 e-: must be from 0"),
-        ({"image_sensor": ALVIUM, "prnu": -0.01}, "photo response non-uniformity -1.0 %: must be at least 0"),
+        ({"image_sensor": ALVIUM, "prnu": -0.01}, "photo response non-uniformity -1.0 %: must be from 0 to 25"),
         ({"image_sensor": ALVIUM, "adc_bits": 14}, "bits of the converter 14: must be from 8 to 12"),
         ({"image_sensor": ALVIUM, "adc_bits": 7}, "bits of the converter 7: must be from 8 to 12"),
         ({"image_sensor": ALVIUM, "quantum_efficiency": 1.2}, "quantum efficiency 120.0 %: must be at most 100"),
