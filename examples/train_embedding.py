@@ -64,17 +64,20 @@ def crops(images: torch.Tensor, left: torch.Tensor, top: torch.Tensor) -> torch.
     return images[rows, :, down[:, :, None], across[:, None, :]].permute(0, 3, 1, 2)
 
 
-def standardised(images: torch.Tensor) -> torch.Tensor:
-    """Images with mean 0 and deviation 1 in each channel: any method gets this far without learning."""
-    spread, mean = torch.std_mean(images, dim=(2, 3), keepdim=True)
-    return (images - mean) / (spread + 1e-3)
+class Standardised(nn.Module):
+    """Images with mean 0 and deviation 1 in each channel, which undoes most of what exposure and white balance do."""
+
+    def forward(self, images: torch.Tensor) -> torch.Tensor:
+        """Standardise images (b, channels, height, width)."""
+        spread, mean = torch.std_mean(images, dim=(2, 3), keepdim=True)
+        return (images - mean) / (spread + 1e-3)
 
 
-def train(images: torch.Tensor, steps: int, batch_size: int, seed: int) -> nn.Module:
+def train(images: torch.Tensor, steps: int, batch_size: int, seed: int, *, standardise: bool) -> nn.Module:
     """Network trained on pairs of crops of one place."""
     generator = torch.Generator().manual_seed(seed)
     torch.manual_seed(seed)
-    net = network()
+    net = nn.Sequential(Standardised() if standardise else nn.BatchNorm2d(3, affine=False), network())
     optimizer = torch.optim.AdamW(net.parameters(), lr=2e-3, weight_decay=1e-2)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, 2e-3, total_steps=steps)
     folders, count, _, height, width = images.shape
@@ -89,7 +92,7 @@ def train(images: torch.Tensor, steps: int, batch_size: int, seed: int) -> nn.Mo
         beside = (left + whole(APART_PX, -APART_PX)).clamp(0, width - SIDE_PX)
         below = (top + whole(APART_PX, -APART_PX)).clamp(0, height - SIDE_PX)
         pair = [
-            nn.functional.normalize(net(standardised(crops(images[whole(folders - 1), at], x, y))), dim=1)
+            nn.functional.normalize(net(crops(images[whole(folders - 1), at], x, y)), dim=1)
             for x, y in ((left, top), (beside, below))
         ]
         scores = pair[0] @ pair[1].T / TEMPERATURE
@@ -126,9 +129,7 @@ class Judge:
     def recall(self, net: nn.Module) -> dict[str, float]:
         """Recall@1 by the imagery of the queries."""
         with torch.inference_mode():
-            queries, tiles = (
-                nn.functional.normalize(net(standardised(one)), dim=1) for one in (self.queries, self.tiles)
-            )
+            queries, tiles = (nn.functional.normalize(net(one), dim=1) for one in (self.queries, self.tiles))
         ranking = (queries @ tiles.T).argsort(dim=1, descending=True).numpy()
         rows, positives = self.benchmark.reference_rows, self.benchmark.truth
         right: dict[str, list[int]] = {}
@@ -147,6 +148,7 @@ def main() -> int:
     parser.add_argument("--steps", type=int, default=1500)
     parser.add_argument("--batch-size", type=int, default=64)
     parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--standardise", action="store_true", help="give each image the same mean and contrast first")
     asked = parser.parse_args()
     if asked.steps < 1 or asked.batch_size < 2 or asked.seeds < 1:
         parser.error("--steps and --seeds must be 1 or more, and --batch-size 2 or more")
@@ -157,7 +159,8 @@ def main() -> int:
     print(f"{images.shape[1]} places in {len(images)} datasets, {len(judge.queries)} queries, {len(judge.tiles)} tiles")
     shares = []
     for seed in range(asked.seeds):
-        shares.append(judge.recall(train(images, asked.steps, asked.batch_size, seed)))
+        net = train(images, asked.steps, asked.batch_size, seed, standardise=asked.standardise)
+        shares.append(judge.recall(net))
         print(
             f"seed {seed}: " + ", ".join(f"{kind} {100.0 * share:.1f} %" for kind, share in shares[-1].items()),
             flush=True,
