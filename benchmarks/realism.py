@@ -108,9 +108,9 @@ SPEEDS = 240, 1_900, 7_500, 30_000
 CROP = 440, 110, 544, 214
 
 
-def _sheet(crops: list[Image.Image], labels: list[str], columns: int) -> Image.Image:
-    """Crops in rows, at twice their size, below the labels of their columns."""
-    width, height = (2 * side for side in crops[0].size)
+def _sheet(crops: list[Image.Image], labels: list[str], columns: int, times: int = 2) -> Image.Image:
+    """Crops in rows, enlarged, below the labels of their columns."""
+    width, height = (times * side for side in crops[0].size)
     rows, gap, head = -(-len(crops) // columns), 4, 16
     sheet = Image.new("RGB", (columns * (width + gap) - gap, head + rows * (height + gap) - gap), "white")
     pen = ImageDraw.Draw(sheet)
@@ -122,9 +122,72 @@ def _sheet(crops: list[Image.Image], labels: list[str], columns: int) -> Image.I
     return sheet
 
 
+#: Fields that vary in the pictures of randomisation.
+VARIED = (
+    "yaw_deg=uniform(-180,180)",
+    "agl_m=uniform(250,500)",
+    "tilt_deg=normal(0,8)within(-25,25)",
+    "exposure_ms=lognormal(1.2,0.5)",
+    "white_balance_k=uniform(4500,7500)",
+    "visibility_km=loguniform(1,20)",
+)
+
+
+def varied_costs() -> None:
+    """Drawing the values of an image, and the settings of its camera."""
+    from scipy import stats
+    from terrainav.core.camera.varying import Variation
+    from terrainav.core.geodesy.mercator import PixelGrid
+    from terrainav.core.mission.areas.area import Box
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+
+    count, known = 2_000, stats.lognorm(0.5, scale=4.0)
+    variation, bits = Variation.from_text("exposure_ms=lognormal(4,0.5)"), np.random.default_rng(1)
+    names = [f"{number}_0_48.137_11.575_17" for number in range(count)]
+    ours = milliseconds(lambda: [variation.draw(0, name) for name in names])
+    show(f"{count:,} values of one field", ours, "scipy, together", milliseconds(lambda: known.ppf(bits.random(count))))
+    mission = Mission(Box(35.16, -89.90, 35.14, -89.87), 120.0, exposure="manual", exposure_ms=1.0, vary=VARIED)
+    made = plan(mission, PixelGrid())
+    show("settings of one image, of four fields", milliseconds(lambda: made.settings(0)) or 0.0)
+
+
+def varied_picture(folder: Path) -> None:
+    """Images of one place whose pose, light and air vary, above the same without effects on light."""
+    from terrainav.core.capture.runner import capture
+    from terrainav.core.dataset.dataset import read_dataset
+    from terrainav.core.geodesy.camera import Camera
+    from terrainav.core.imagery.opening import named_source
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+
+    source = named_source("world").open()
+    mission = Mission(
+        Points(((35.1552, -89.8935, 400.0),) * 4),
+        400.0,
+        Camera(60.0, 4.0 / 3.0),
+        image_px=208,
+        image_format="png",
+        exposure="manual",
+        exposure_ms=1.0,
+        vary=VARIED,
+        keep_clean=True,
+    )
+    with tempfile.TemporaryDirectory() as made:
+        capture(plan(mission, source.grid), source, made)
+        sets = read_dataset(made).image_sets
+        tables = [sets[name] for name in ("satellite", "satellite_clean")]
+        crops = [Image.open(one.folder / name).convert("RGB") for one in tables for name in one.table.img_names]
+        stated = [sets["satellite"].table.other[name] for name in ("exposure_ms", "white_balance_k", "visibility_km")]
+        labels = [f"{float(ms):.2g} ms, {float(kelvin):,.0f} K, {float(km):.2g} km" for ms, kelvin, km in zip(*stated)]
+    _sheet(crops, labels, len(labels), 1).save(folder / "realism-varied.jpg", quality=75, optimize=True)
+
+
 #: Costs and picture of each effect.
 EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
     "sensor": (sensor_costs, sensor_picture),
+    "randomisation": (varied_costs, varied_picture),
 }
 
 

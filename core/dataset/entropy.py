@@ -213,7 +213,8 @@ def deciding_entropies(folder: str | os.PathLike[str], *, progress: Report | Non
     """Entropies that decide on the images of a dataset, by the names of its map types' folders.
 
     Where the dataset has roadmap images, their entropies decide for all map types; elsewhere, each image's entropy
-    decides (the paper's section Post Processing). Entropies missing from the tables are computed from the images.
+    decides (the paper's section Post Processing), or that of its clean image. Entropies missing from the tables are
+    computed from the images.
 
     Parameters
     ----------

@@ -147,13 +147,15 @@ def deciding_name(name: str) -> str:
 def deciding_folder(name: str, among: Mapping[str, Path]) -> str | None:
     """Name of the roadmap folder whose entropies decide for a folder: with the same ending, or without.
 
-    Among imageries, it is the only imagery of the deciding map type. None if there is no such folder, or if it is
-    ``name`` itself.
+    Among imageries, it is the only imagery of the deciding map type. Of images with effects of a real camera, whose
+    noise looks like detail, clean ones decide. None if there is no such folder, or if it is ``name`` itself.
     """
     found = next((one for one in (deciding_name(name), DECIDING) if one in among), None)
     if found is None:
         of_type = [one for one, path in among.items() if path.name == DECIDING]
         found = of_type[0] if len(of_type) == 1 else None
+    clean = clean_type(found or name)
+    found = clean if clean in among else found
     return None if found == name else found
 
 

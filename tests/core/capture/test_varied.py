@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.loading.batches import LabelledImages
 from terrainav.core.dataset.split import split
@@ -217,6 +218,22 @@ def test_columns_that_are_not_numbers_are_no_labels(tmp_path):
         LabelledImages(tmp_path, part="all", img_size=(16, 12, 3), targets=("airlight",))
     with pytest.raises(InvalidInput, match=r"further columns of .*: east_m, north_m, visibility_km, airlight"):
         LabelledImages(tmp_path, part="all", img_size=(16, 12, 3), targets=("exposure_ms",))
+
+
+@pytest.mark.parametrize("map_types", [("satellite",), ("satellite", "roadmap")])
+def test_clean_images_decide_what_cleaning_rejects(tmp_path, map_types):
+    """Noise looks like detail, and pairs stay together."""
+    noisy = {"image_sensor": "custom", "pixel_um": 3.0, "quantum_efficiency": 0.6, "full_well_e": 1e3}
+    capture(planned(keep_clean=True, read_noise_e=200.0, map_types=map_types, **noisy), SOURCE.open(), tmp_path)
+    deciding = f"{map_types[-1]}_clean"
+    threshold = float(np.median(table_of(tmp_path, deciding).entropies))
+    clean(tmp_path, threshold=threshold)
+    wanted = table_of(tmp_path, deciding).entropies < threshold
+    assert 0 < wanted.sum() < len(wanted)
+    for one in map_types:
+        assert table_of(tmp_path, one).entropies.min() > threshold
+        for map_type in (one, f"{one}_clean"):
+            assert [bool(mark) for mark in table_of(tmp_path, map_type).other["rejected"]] == wanted.tolist()
 
 
 def test_clean_images_are_loaded_in_pairs(tmp_path, halved):
