@@ -21,6 +21,7 @@ In reading order:
 - `resolution`: ground sample distances of a plan
 - `views`: ground that the cameras of a plan see
 - `plan`: a planned mission, as arrays
+- `takes`: when and from where the rows of a picture are exposed
 - `profile`: heights of flight, ground and surface along the path of a plan
 - `inside`: captures that lie wholly on the source's imagery
 - `estimate`: figures of a plan: time, bytes, coverage, overlap

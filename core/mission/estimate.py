@@ -28,6 +28,7 @@ from .flight.pilot import (
 from .methods import ChosenMethods
 from .parts import IDEAL
 from .plan import Plan
+from .takes import Timing, fastest_capture, motion_text
 
 #: Most pixels of an orthomosaic that QGIS makes after a capture.
 MOST_ORTHOMOSAIC_PX = 1 << 28
@@ -175,6 +176,7 @@ class Summary:
     batteries: int | None = None
     speed_limits: SpeedLimits | None = None
     drone: str = ""
+    motion: Message | None = None
     mosaic_s: float = 0.0
     skip_rows: str = ""
     images_in_skipped_rows: int = 0
@@ -257,6 +259,8 @@ class Summary:
     def piloting(self) -> list[tuple[Message, Message]]:
         """Labels and values of the greatest speed, the time in the air, sorties and sun, if known."""
         lines = []
+        if self.motion is not None:
+            lines.append((Message("motion in images"), self.motion))
         if self.speed_limits is not None and self.speed_limits.least_m_per_s is not None:
             lines.append((Message("greatest speed"), self.speed_limits.text))
         if self.airborne_s is not None and self.batteries is not None:
@@ -345,7 +349,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     if costs.requests_per_s:
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
     encode_s = (len(plan) * costs.image_s + pixels * costs.encode_s_per_px[mission.output.image_format]) / cores
-    encode_s += (plan.frames.resampled_px() * costs.warp_s_per_px + _trace_s(plan, costs)) / cores
+    encode_s += _instants(plan) * (plan.frames.resampled_px() * costs.warp_s_per_px + _trace_s(plan, costs)) / cores
     # Computing tiles competes with encoding for cores; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
     coverage, overlap, relief = plan.coverage, plan.overlap, _relief_figures(plan)
@@ -449,6 +453,12 @@ def _orthomosaic_px(plan: Plan) -> tuple[float, float]:
     return count_px, max(float(footprints_m2.sum()) / area_m2, 1.0)
 
 
+def _instants(plan: Plan) -> int:
+    """Number of instants of which each picture is made, at most."""
+    timing = Timing.of(plan, fastest_capture(plan)) if plan.mission.takes_time else None
+    return 1 if timing is None else timing.instants
+
+
 def _trace_s(plan: Plan, costs: Costs) -> float:
     """Seconds that tracing rays over relief takes on one core; 0 over level ground."""
     if plan.relief.is_level:
@@ -468,7 +478,7 @@ def _flight_figures(plan: Plan) -> dict[str, Any]:
     figures: dict[str, Any] = {"interval_s": interval_s(plan), "sun": area_sun(plan)}
     if attitude.tilt_deg == 0.0 and attitude.roll_deg == 0.0:
         figures["fov_deg"] = plan.mission.camera.fov_deg
-    figures.update(speed_limits=speed_limits(plan), drone=plan.mission.route.drone)
+    figures.update(speed_limits=speed_limits(plan), drone=plan.mission.route.drone, motion=motion_text(plan))
     if len(plan) > 1:
         airborne = airborne_s(plan)
         figures.update(airborne_s=float(airborne.sum()), batteries=batteries(plan, airborne))

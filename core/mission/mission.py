@@ -21,6 +21,7 @@ from .imageries import NamedImagery
 from .parts import (
     BY_DISTANCE,
     BY_ISO,
+    BY_TIME,
     BY_WAYPOINT,
     FLAT_PARTS,
     LABELLED,
@@ -151,6 +152,12 @@ class Mission:
                 "blur by motion: needs an exposure time",
                 field="motion_blur",
                 remedy=Message("give one{0}", OptionName("exposure_ms").in_brackets),
+            )
+        if parts["shutter"].motion_blur and parts["exposure"].exposure == BY_TIME:
+            raise InvalidInput(
+                "blur by motion: needs a stated exposure time, and a meter sets it",
+                field="motion_blur",
+                remedy=Message("choose another exposure{0}", OptionName("exposure").in_brackets),
             )
         _check_varied(parts)
         if RAW in parts["output"].products:

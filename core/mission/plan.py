@@ -440,7 +440,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         in_skipped_rows=flown.in_skipped_rows,
         gusting=gusting,
     )
-    if mission.exposure.exposure != IDEAL:
+    if mission.exposure.exposure != IDEAL or mission.takes_time:
         _check_exposure(planned)
     return planned
 
@@ -456,8 +456,18 @@ def _check_exposure(plan: Plan) -> None:
     exposure_ms = mission.varied.greatest(field, stated_ms)
     between_s = np.diff(plan.times_s)
     between_s = between_s[between_s > 0.0]
-    if exposure_ms is None or not len(between_s) or exposure_ms / 1000.0 <= between_s.min():
+    read_ms = plan.mission.shutter.row_time_us / 1000.0 * (int(plan.frames.height_px.max()) - 1)
+    open_ms = (exposure_ms or 0.0) + read_ms
+    if not len(between_s) or open_ms / 1000.0 <= between_s.min():
         return
+    if read_ms:
+        raise InvalidInput(
+            "exposure and reading of rows take {0:.4g} ms: longer than the {1:.4g} ms between two images",
+            open_ms,
+            1000.0 * float(between_s.min()),
+            remedy="fly slower, overlap less or shorten the row time",
+            field="row_time_us",
+        )
     raise InvalidInput(
         "exposure time {0:g} ms: longer than the {1:.4g} ms between two images",
         exposure_ms,

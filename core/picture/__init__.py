@@ -3,7 +3,6 @@
 In reading order:
 
 - `shot`: a capture to be drawn, and its picture
-- `takes`: strips of rows and instants of which a picture is made
 - `painting`: colours of faces that no imagery shows, in the light of the sun
 - `map_frame`: map frames, assembled on the source's pixel grid
 - `camera_frame`: camera frames, resampled from tiles

@@ -21,9 +21,9 @@ from ..labels.label_map import GroundBox, LabelMap
 from ..labels.pieces import DegreePlane
 from ..mission.parts import CLASSES, INSTANCES
 from ..mission.plan import Plan
+from ..mission.takes import middle_strips
 from .map_frame import turned
 from .shot import MapShot, Shot, join_sightings
-from .takes import middle_strips
 
 #: Bands of each product, in metres, degrees, and components of unit vectors.
 BANDS = {

@@ -16,17 +16,17 @@ from ..geodesy.camera import Camera, Poses
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
+from ..mission.takes import Timing
 from .camera_frame import parts_of_tiles, render
 from .map_frame import assemble, capture_window, turned
 from .painting import lit_colours, paint
-from .takes import Timing
 
 if TYPE_CHECKING:
     from ..geodesy.raytracing.seen_faces import Painted
     from ..geodesy.raytracing.tracing import Sighting, Tracing
 
 #: Pixels of all instants of a picture of relief, up to which what was traced for them is kept: each takes 50 bytes.
-_KEPT_PX = 2 << 20
+_KEPT_PX = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)

@@ -12640,6 +12640,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
+        <source>{0} {1!r}: needs size_px beside it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0}: give one of {1}</source>
         <translation>{0}: dé uno de {1}</translation>
     </message>
@@ -12805,6 +12810,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/estimate.py"/>
         <source>means of {2} x {2} of the source's own pixels, {0} in {1}</source>
         <translation>medias de {2} x {2} de los píxeles propios de la fuente, {0} en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>motion in images</source>
+        <translation>movimiento en las imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -14269,8 +14279,18 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>blur by motion: needs a stated exposure time, and a meter sets it</source>
+        <translation>desenfoque por movimiento: necesita un tiempo de exposición fijo, y lo elige un exposímetro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>blur by motion: needs an exposure time</source>
         <translation>desenfoque por movimiento: necesita un tiempo de exposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>choose another exposure{0}</source>
+        <translation>elija otra exposición{0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -16008,6 +16028,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
+        <source>exposure and reading of rows take {0:.4g} ms: longer than the {1:.4g} ms between two images</source>
+        <translation>la exposición y la lectura de las filas duran {0:.4g} ms: más que los {1:.4g} ms entre dos imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
         <source>exposure time {0:g} ms: longer than the {1:.4g} ms between two images</source>
         <translation>tiempo de exposición {0:g} ms: más largo que los {1:.4g} ms entre dos imágenes</translation>
     </message>
@@ -16020,6 +16045,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/plan.py"/>
         <source>fly slower, overlap less or shorten the exposure</source>
         <translation>vuele más despacio, solape menos o acorte la exposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>fly slower, overlap less or shorten the row time</source>
+        <translation>vuele más despacio, use menos solape o acorte el tiempo por fila</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -16250,6 +16280,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/sunlight.py"/>
         <source>sun {0}: needs the start of the flight</source>
         <translation>sol {0}: necesita el inicio del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/takes.py"/>
+        <source>blur of up to {0:.2g} px in {1:g} ms, {2} instants each</source>
+        <translation>desenfoque de hasta {0:.2g} px en {1:g} ms, {2} instantes por imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/takes.py"/>
+        <source>none: the camera hovers</source>
+        <translation>ninguno: la cámara permanece en el aire sin moverse</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/takes.py"/>
+        <source>none: the camera is at rest</source>
+        <translation>ninguno: la cámara está en reposo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/takes.py"/>
+        <source>skew of up to {0:.2g} px in {1:.3g} ms</source>
+        <translation>inclinación de hasta {0:.2g} px en {1:.3g} ms</translation>
     </message>
     <message>
         <location filename="../../core/mission/views.py"/>

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from pyproj import Geod, Transformer
 from terrainav.core.bands import RGB, Bands
+from terrainav.core.camera.shutter import MOST_INSTANTS, instant_count, instants_s, strips
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
@@ -15,6 +16,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.external.compiling import without_numba
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Box, Points
+from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.flight.motion import fly, fly_rates
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
@@ -340,3 +342,59 @@ def test_pictures_are_the_same_without_numba(elevation):
 def test_blur_needs_colours():
     with pytest.raises(InvalidInput, match="grey, or red, green and blue of 8 bits"):
         check_bands(planned(motion_blur=True, exposure_ms=1.0).mission, Bands(("red", "nir"), "uint16", (0,)))
+
+
+def test_an_exposure_longer_than_the_interval_is_refused_in_one_line():
+    with pytest.raises(InvalidInput) as refused:
+        planned(motion_blur=True, exposure_ms=5_000.0)
+    assert "exposure time 5000 ms: longer than the " in str(refused.value)
+    assert "\n" not in str(refused.value)
+    # Planners may state it without blur, as before.
+    assert planned(exposure_ms=5_000.0)
+
+
+def test_the_plan_states_the_motion_and_the_greatest_speed():
+    made = planned(motion_blur=True, exposure_ms=10.0, row_time_us=60.0)
+    found = estimate(made)
+    lines = {str(label): str(text) for label, text in found.lines()}
+    way, height = speed_px(made), made.views.size_px(0)[1]
+    skew = way * 60e-6 * (height - 1)
+    assert f"blur of up to {way * 0.01:.2g} px in 10 ms" in lines["motion in images"]
+    assert f"skew of up to {skew:.2g} px in {60e-3 * (height - 1):.3g} ms" in lines["motion in images"]
+    greatest = found.speed_limits.blur_m_per_s
+    assert greatest == math.floor(SPEED_M_PER_S * 0.5 / (way * 0.01) * 10.0) / 10.0
+    assert f"{greatest:g} m/s for 0.5 px of blur in 10 ms" in lines["greatest speed"]
+    assert any("fly at" in warning for warning in map(str, found.warnings))
+    slow = estimate(planned(motion_blur=True, exposure_ms=10.0, airspeed_m_per_s=greatest))
+    assert not any("blur" in str(warning) for warning in slow.warnings)
+    hovering = estimate(planned(motion_blur=True, exposure_ms=10.0, trigger="hover"))
+    assert str(hovering.motion) == "none: the camera hovers"
+    single = estimate(planned(motion_blur=True, exposure_ms=10.0, area=Points(((48.1, 11.5, 100.0),))))
+    assert str(single.motion) == "none: the camera is at rest"
+    assert estimate(planned()).motion is None
+
+
+@pytest.mark.parametrize("blur_px", [0.1, 0.5, 1.0, 3.0, 20.0])
+def test_instants_have_the_variance_of_the_exposure(blur_px):
+    count = instant_count(blur_px)
+    assert count % 2 == 1
+    assert blur_px / math.sqrt(count**2 - 1.0) < 0.51
+    times_s = instants_s(8.0, count)
+    assert times_s.mean() == pytest.approx(0.0, abs=1e-18)
+    assert times_s.var() == pytest.approx(0.008**2 / 12.0)
+    assert np.abs(times_s).max() <= 0.004
+    assert instant_count(1e9) == MOST_INSTANTS
+    assert instant_count(0.0) == 1
+
+
+def test_strips_move_by_no_more_than_is_allowed():
+    moved_px = np.abs(np.sin(np.arange(500) / 80.0)) * 0.04
+    found = strips(moved_px, 0.1)
+    assert found[0][0] == 0
+    assert found[-1][1] == 500
+    for (top, bottom), (following, _) in zip(found, found[1:]):
+        assert bottom == following
+        assert (bottom - top) * moved_px[top:bottom].max() <= 0.1
+        assert (bottom + 1 - top) * moved_px[top : bottom + 1].max() > 0.1
+    assert strips(np.full(3, 5.0), 0.1) == [(0, 1), (1, 2), (2, 3)]
+    assert strips(np.zeros(480), 0.1) == [(0, 480)]

@@ -51,6 +51,16 @@ def _no_exposure(case: Case) -> None:
 
 
 @remedy(
+    "mission/mission.py",
+    "blur by motion: needs a stated exposure time, and a meter sets it; choose another exposure (--exposure)",
+)
+def _metered_exposure(case: Case) -> None:
+    made = partial(Mission, AREA, 120.0, motion_blur=True, exposure_ms=5.0)
+    case.refused(partial(made, exposure="time"))
+    case.follow("choose another exposure (--exposure)", partial(made, exposure="iso"))
+
+
+@remedy(
     "mission/areas/area.py",
     "time of point {}: is before that of the one before it; put the points in the order of their times",
 )

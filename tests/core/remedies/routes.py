@@ -118,6 +118,22 @@ def _long_exposure(case: Case) -> None:
     case.follow("shorten the exposure", lambda: made(exposure_ms=5.0))
 
 
+@remedy(
+    "mission/plan.py",
+    "exposure and reading of rows take {} ms: longer than the {} ms between two images; fly slower, overlap less or "
+    "shorten the row time",
+)
+def _long_reading(case: Case) -> None:
+    def made(**changes):
+        asked = {"row_time_us": 1_000.0, "overlap_along": 0.95, "airspeed_m_per_s": 20.0, "image_px": 1500}
+        return plan(FIELD.replace(**{**asked, **changes}), PixelGrid())
+
+    case.refused(made)
+    case.follow("fly slower", lambda: made(airspeed_m_per_s=2.0))
+    case.follow("overlap less", lambda: made(overlap_along=0.0))
+    case.follow("shorten the row time", lambda: made(row_time_us=20.0))
+
+
 @remedy("mission/flight/pilot.py", "airspeed auto: no speed is slow enough for the camera; overlap less or fly higher")
 def _no_speed(case: Case) -> None:
     def chosen(**changes):

@@ -1,4 +1,4 @@
-"""Takes of a picture: strips of its rows (rolling shutter) at instants of the exposure (motion blur)."""
+"""When and from where the rows of a picture are exposed: strips of rows (rolling shutter), instants (motion blur)."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ import numpy as np
 
 from ..arrays import Floats
 from ..camera.shutter import instant_count, instants_s, strips
+from ..errors import Message
 from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import sight_lines, trace
-from ..mission.flight.rates import Rates
-from ..mission.plan import Plan
+from .flight.rates import Rates
+from .parts import HOVER
+from .plan import Plan
 
 #: Columns and rows of the points of an image at which its motion is measured.
 _POINTS = 17, 13
@@ -112,6 +114,16 @@ class Timing:
         """Greatest motion of the picture during the exposure."""
         return float(self._speeds[1].max()) * self.exposure_ms * 1e-3
 
+    @property
+    def readout_ms(self) -> float:
+        """Time from the exposure of the first row to that of the last."""
+        return (self.plan.views.size_px(self.index)[1] - 1) * self.row_time_us * 1e-3
+
+    @property
+    def skew_px(self) -> float:
+        """Greatest motion of the picture from the exposure of the first row to that of the last."""
+        return float(self._speeds[1].max()) * self.readout_ms * 1e-3
+
     @cached_property
     def instants(self) -> int:
         """Number of instants whose mean the picture is."""
@@ -155,6 +167,37 @@ class Timing:
         names = "speed_east_m_per_s speed_north_m_per_s speed_up_m_per_s yaw_rate_deg_per_s tilt_rate_deg_per_s".split()
         rates = dict(zip((*names, "roll_rate_deg_per_s"), (float(rate[0]) for rate in self.rates)))
         return (("row_time_us", self.row_time_us), *stated.items(), *rates.items())
+
+
+def fastest_capture(plan: Plan) -> int:
+    """Capture whose images move fastest, judged by the ground below and the turns of the camera."""
+    east, north, up, *turns = plan.rates
+    turning = np.radians(np.sqrt(sum(rate * rate for rate in turns)))
+    return int(np.argmax(np.sqrt(east**2 + north**2 + up**2) / plan.agl_m + turning))
+
+
+def motion_text(plan: Plan) -> Message | None:
+    """Motion in the image that moves most, in words; None for a mission whose images take no time."""
+    if not plan.mission.takes_time:
+        return None
+    if plan.mission.trigger == HOVER:
+        return Message("none: the camera hovers")
+    timing = Timing.of(plan, fastest_capture(plan))
+    if timing is None or not np.stack(timing.rates).any():
+        return Message("none: the camera is at rest")
+    found = []
+    if timing.exposure_ms:
+        found.append(
+            Message(
+                "blur of up to {0:.2g} px in {1:g} ms, {2} instants each",
+                timing.blur_px,
+                timing.exposure_ms,
+                timing.instants,
+            )
+        )
+    if timing.row_time_us:
+        found.append(Message("skew of up to {0:.2g} px in {1:.3g} ms", timing.skew_px, timing.readout_ms))
+    return Message.joined("; ", found)
 
 
 def middle_strips(plan: Plan, index: int, size_px: tuple[int, int]) -> list[RowStrip]:
