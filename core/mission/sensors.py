@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
 
 from ..errors import InvalidInput, Message
@@ -30,6 +31,7 @@ class SensorPreset:
     source: str
 
 
+@cache
 def shipped_sensors() -> tuple[SensorPreset, ...]:
     """Return the sensors of ``resources/sensors.json``."""
     made = []

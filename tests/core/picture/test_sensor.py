@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tarfile
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scipy import constants
 from terrainav.core.bands import Bands
 from terrainav.core.camera.bayer import mosaic
 from terrainav.core.camera.light import linear_of_bytes
+from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
@@ -154,3 +156,23 @@ def test_speeds_below_the_sensors_are_refused():
         check_bands(mission, Bands(("red", "green", "blue")))
     check_bands(mission.replace(iso=234.0), Bands(("red", "green", "blue")))
     check_bands(mission_of(image_sensor=ALVIUM, iso=100.0), Bands(("red", "green", "blue")))
+
+
+def test_any_blocks_make_the_same_images_and_raw_values(tmp_path):
+    named = named_source("world")
+    values = {"image_sensor": FRAMOS, "bayer": "gbrg", "products": ("raw",), "vary": ("read_noise_e=uniform(2,20)",)}
+    made = plan(mission_of(**values, image_px=48), named.open().grid)
+    capture(made, named.open(), tmp_path / "whole")
+    capture(made, named, tmp_path / "blocks", blocks=Blocks(1))
+    for folder in ("satellite", "raw"):
+        whole, blocks = (
+            {path.name: path.read_bytes() for path in (tmp_path / name / folder).iterdir()}
+            for name in ("whole", "blocks")
+        )
+        assert whole == blocks
+        assert len([name for name in whole if name.endswith(".tif")]) == 2
+    capture(made, named, tmp_path / "shards", blocks=Blocks(2, layout="webdataset"))
+    (shard,) = (tmp_path / "shards").glob("satellite/*.tar")
+    with tarfile.open(shard) as members:
+        kept = {name: members.extractfile(name).read() for name in members.getnames() if name.endswith(".raw.tif")}
+    assert sorted(kept.values()) == sorted(path.read_bytes() for path in (tmp_path / "whole" / "raw").glob("*.tif"))
