@@ -6,7 +6,7 @@ import math
 
 from ...arrays import Floats, Numbers
 from ...external.compiling import compiled
-from .pixel_rays import PixelBlocks
+from .pixel_rays import PixelIndex
 
 
 @compiled
@@ -154,35 +154,23 @@ def draw(forms: Floats, boxes: Numbers, nearness: Floats, triangle: Numbers) -> 
 
 
 @compiled
-def _is_beside(form: Floats, low_x: float, high_x: float, low_y: float, high_y: float) -> bool:
-    """Whether an edge function is negative all over a box, by more than rounding."""
-    most = form[0] + max(form[1] * low_x, form[1] * high_x) + max(form[2] * low_y, form[2] * high_y)
-    size = abs(form[0]) + abs(form[1]) * max(abs(low_x), abs(high_x)) + abs(form[2]) * max(abs(low_y), abs(high_y))
-    is_beside: bool = most < -1e-13 * size
-    return is_beside
+def _fill_pixel_box(index: PixelIndex, box: Numbers, found: Numbers) -> None:
+    """Box around the pixels whose points may lie in a box (left, top, right, bottom) of the ideal image plane.
 
-
-@compiled
-def _draw_block(
-    f: Floats,
-    one: int,
-    box: tuple[int, int, int, int],
-    points: tuple[Floats, Floats],
-    nearness: Floats,
-    triangle: Numbers,
-) -> None:
-    """Draw a triangle into a box of pixels: first row, the one after the last, first column, the one after the last."""
-    for row in range(box[0], box[1]):
-        for column in range(box[2], box[3]):
-            x, y = points[0][row + 1, column + 1], points[1][row + 1, column + 1]
-            if (
-                (f[0, 0] + y * f[0, 2]) + x * f[0, 1] >= 0.0
-                and (f[1, 0] + y * f[1, 2]) + x * f[1, 1] >= 0.0
-                and (f[2, 0] + y * f[2, 2]) + x * f[2, 1] >= 0.0
-            ):
-                value = (f[3, 0] + y * f[3, 2]) + x * f[3, 1]
-                if value > nearness[row, column]:
-                    nearness[row, column], triangle[row, column] = value, one
+    ``found`` is first column, the one after the last, first row and the one after the last.
+    """
+    level, size = 0, index.cell_px
+    # Up to eight cells across.
+    while level < len(index.first) - 1 and max(box[2] // size - box[0] // size, box[3] // size - box[1] // size) > 7:
+        level, size = level + 1, 2 * size
+    found[0] = found[2] = 1 << 40
+    found[1] = found[3] = 0
+    wide, high, first = index.wide[level], index.high[level], index.first[level]
+    for i in range(box[1] // size, min(box[3] // size + 1, high)):
+        for j in range(box[0] // size, min(box[2] // size + 1, wide)):
+            at = first + i * wide + j
+            found[0], found[1] = min(found[0], index.ends[0, at]), max(found[1], index.ends[1, at])
+            found[2], found[3] = min(found[2], index.ends[2, at]), max(found[3], index.ends[3, at])
 
 
 @compiled
@@ -190,9 +178,9 @@ def draw_seen(
     forms: Floats,
     boxes: Numbers,
     points: tuple[Floats, Floats],
-    blocks: PixelBlocks,
-    leaf_px: int,
-    stack: Numbers,
+    index: PixelIndex,
+    top: int,
+    box: Numbers,
     nearness: Floats,
     triangle: Numbers,
 ) -> None:
@@ -202,41 +190,25 @@ def draw_seen(
     ----------
     boxes : array (n, 4)
         On the ideal image plane.
-    points, blocks, leaf_px
-        See `pixel_rays`.
-    stack : array (4 * levels, 3)
-        Room for the levels, rows and columns of blocks.
+    points, index, top
+        Those of `PixelRays`.
+    box : array (4,)
+        Room for a box of pixels.
     """
-    height, width = nearness.shape
     for one in range(len(boxes)):
-        left, top, right, bottom = boxes[one]
+        _fill_pixel_box(index, boxes[one], box)
         f = forms[one]
-        stack[0, 0], stack[0, 1], stack[0, 2] = len(blocks.first) - 1, 0, 0
-        count = 1
-        while count > 0:
-            count -= 1
-            level, i, j = stack[count]
-            at = blocks.first[level] + i * blocks.wide[level] + j
-            low_x, high_x, low_y, high_y = (
-                blocks.ends[0, at], blocks.ends[1, at], blocks.ends[2, at], blocks.ends[3, at]
-            )  # fmt: skip
-            if high_x < left or low_x > right or high_y < top or low_y > bottom:
-                continue
-            if (
-                _is_beside(f[0], low_x, high_x, low_y, high_y)
-                or _is_beside(f[1], low_x, high_x, low_y, high_y)
-                or _is_beside(f[2], low_x, high_x, low_y, high_y)
-            ):
-                continue
-            if level == 0:
-                first, column = i * leaf_px, j * leaf_px
-                box = first, min(first + leaf_px, height), column, min(column + leaf_px, width)
-                _draw_block(f, one, box, points, nearness, triangle)
-                continue
-            for below in range(2 * i, min(2 * i + 2, blocks.high[level - 1])):
-                for beside in range(2 * j, min(2 * j + 2, blocks.wide[level - 1])):
-                    stack[count, 0], stack[count, 1], stack[count, 2] = level - 1, below, beside
-                    count += 1
+        # Named one by one, they stay in registers.
+        a, a_x, a_y, b, b_x, b_y = f[0, 0], f[0, 1], f[0, 2], f[1, 0], f[1, 1], f[1, 2]
+        c, c_x, c_y, near, near_x, near_y = f[2, 0], f[2, 1], f[2, 2], f[3, 0], f[3, 1], f[3, 2]
+        for row in range(max(box[2] - top, 0), min(box[3] - top, nearness.shape[0])):
+            xs, ys = points[0][row + 1], points[1][row + 1]
+            for column in range(box[0], box[1]):
+                x, y = xs[column + 1], ys[column + 1]
+                if (a + y * a_y) + x * a_x >= 0.0 and (b + y * b_y) + x * b_x >= 0.0 and (c + y * c_y) + x * c_x >= 0.0:
+                    value = (near + y * near_y) + x * near_x
+                    if value > nearness[row, column]:
+                        nearness[row, column], triangle[row, column] = value, one
 
 
 @compiled
@@ -262,13 +234,12 @@ def interpolate(
         Those of `PixelRays`.
     t : array (height, width)
         Distances along the image's rays.
-    most_steps : array (2, 1), or (2, n)
-        Greatest steps along columns and rows, for each unit of ``t``.
+    most_steps : array (2,)
+        Greatest steps along columns and rows of the ideal image, for each unit of ``t``.
     found : array (6, n)
         Both values, their steps along columns, and along rows.
     """
-    is_straight, varies = points[0].size == 0, most_steps.shape[1] > 1
-    x_step, y_step = 0.0, 0.0
+    is_straight = points[0].size == 0
     for one in range(len(which)):
         form, i, j = forms[which[one]], row[one], column[one]
         away = t[i, j]
@@ -279,6 +250,7 @@ def interpolate(
         for term in range(1, 3):
             if is_straight:
                 per_u, per_v, per_whole = form[0, term], form[1, term], form[2, term]
+                most = most_steps[term - 1] * away
             else:
                 x_step, y_step = _step(points[0], i, j, term), _step(points[1], i, j, term)
                 per_u, per_v, per_whole = (
@@ -286,9 +258,10 @@ def interpolate(
                     x_step * form[1, 1] + y_step * form[1, 2],
                     x_step * form[2, 1] + y_step * form[2, 2],
                 )
+                most = away * math.sqrt((x_step * most_steps[0]) ** 2 + (y_step * most_steps[1]) ** 2)
             u = (per_u - found[0, one] * per_whole) / whole
             v = (per_v - found[1, one] * per_whole) / whole
-            length, most = math.sqrt(u * u + v * v), most_steps[term - 1, one if varies else 0] * away
+            length = math.sqrt(u * u + v * v)
             share = most / length if length > most else 1.0
             found[2 * term, one], found[2 * term + 1, one] = share * u, share * v
 

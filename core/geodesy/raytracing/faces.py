@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import Floats, Numbers, expand_counts
 from ...external.compiling import uses_numba
 from ..triangles import NO_TRIANGLES, Triangles
-from .pixel_rays import LEAF_PX, PixelRays
+from .pixel_rays import PixelIndex, PixelRays
 
 #: Candidates, pixels in boxes around triangles, that numpy looks at together.
 _BATCH = 1 << 18
@@ -171,36 +171,63 @@ def _cut(depth: Floats, at: Floats, is_ahead: Floats) -> Floats:
 def _draw_at_pixels(forms: Floats, boxes: Numbers, rays: PixelRays, nearness: Floats, triangle: Numbers) -> None:
     """Draw triangles into an image of nearness and triangles, at the points that its pixels see."""
     if not uses_numba():
-        if rays.is_bent:
-            _draw_seen(forms, boxes, rays, nearness, triangle)
-        else:
-            _draw(forms, boxes, nearness, triangle)
+        _draw(forms, _pixel_boxes(rays.index, boxes, rays) if rays.is_bent else boxes, rays, nearness, triangle)
         return
     from . import face_kernels
 
     if rays.is_bent:
-        stack = np.empty((4 * len(rays.blocks.first), 3), np.int64)
-        face_kernels.draw_seen(forms, boxes, rays.points, rays.blocks, LEAF_PX, stack, nearness, triangle)
+        box = np.empty(4, np.int64)
+        face_kernels.draw_seen(forms, boxes, rays.points, rays.index, rays.top, box, nearness, triangle)
     else:
         face_kernels.draw(forms, boxes, nearness, triangle)
 
 
-def _draw(forms: Floats, boxes: Numbers, nearness: Floats, triangle: Numbers) -> None:
-    """`face_kernels.draw` in numpy: the same pixels, a number of candidates at a time."""
+def _pixel_boxes(index: PixelIndex, boxes: Numbers, rays: PixelRays) -> Numbers:
+    """Boxes (n, 4) around the pixels whose points may lie in boxes of the ideal image plane."""
+    left, top, right, bottom = boxes.T
+    level, open_ = np.zeros(len(boxes), np.int64), np.ones(len(boxes), bool)
+    for one in range(len(index.first) - 1):
+        side = index.cell_px << one
+        open_ &= np.maximum(right // side - left // side, bottom // side - top // side) > 3
+        level += open_
+    size = index.cell_px << level
+    high, wide = index.high[level], index.wide[level]
+    found = np.array([[rays.width], [0], [rays.height + rays.top], [0]]) + np.zeros(len(boxes), np.int64)
+    # Up to four cells across.
+    for below, beside in np.ndindex(4, 4):
+        i, j = (
+            np.minimum(np.minimum(low // size + off, end // size), most - 1)
+            for low, off, end, most in ((top, below, bottom, high), (left, beside, right, wide))
+        )
+        ends = index.ends[:, index.first[level] + i * wide + j]
+        found[::2], found[1::2] = np.minimum(found[::2], ends[::2]), np.maximum(found[1::2], ends[1::2])
+    first, last, upper, lower = found
+    upper, lower = (np.clip(at - rays.top, 0, rays.height) for at in (upper, lower))
+    return np.stack([first, upper, np.maximum(first, last), np.maximum(upper, lower)], axis=1)
+
+
+def _draw(forms: Floats, boxes: Numbers, rays: PixelRays, nearness: Floats, triangle: Numbers) -> None:
+    """`face_kernels.draw` and `draw_seen` in numpy: the same pixels, a number of candidates at a time."""
     wide, high = boxes[:, 2] - boxes[:, 0], boxes[:, 3] - boxes[:, 1]
     # Rows of boxes one by one, so that a box of the whole image is not one batch.
     of_row, row = expand_counts(high)
     row = row + boxes[of_row, 1]
     ends = np.cumsum(wide[of_row])
+    draw_rows = _draw_points if rays.is_bent else _draw_rows
     start = begun = 0
     while start < len(of_row):
         stop = max(int(np.searchsorted(ends, begun + _BATCH, "right")), start + 1)
-        _draw_rows(forms, boxes, (of_row[start:stop], row[start:stop]), nearness, triangle)
+        draw_rows(forms, boxes, (of_row[start:stop], row[start:stop]), rays, nearness, triangle)
         start, begun = stop, int(ends[stop - 1])
 
 
 def _draw_rows(
-    forms: Floats, boxes: Numbers, rows: tuple[Numbers, Numbers], nearness: Floats, triangle: Numbers
+    forms: Floats,
+    boxes: Numbers,
+    rows: tuple[Numbers, Numbers],
+    rays: PixelRays,  # noqa: ARG001  (all pixels of an ideal image are alike)
+    nearness: Floats,
+    triangle: Numbers,
 ) -> None:
     """Draw rows of triangles: numbers of the triangles and of the rows."""
     of_row, row = rows
@@ -217,6 +244,27 @@ def _draw_rows(
     _keep_nearest(one, row[which] * nearness.shape[1] + column, value, nearness, triangle)
 
 
+def _draw_points(
+    forms: Floats, boxes: Numbers, rows: tuple[Numbers, Numbers], rays: PixelRays, nearness: Floats, triangle: Numbers
+) -> None:
+    """`_draw_rows` at any points of pixels."""
+    of_row, row = rows
+    which, column = expand_counts(boxes[of_row, 2] - boxes[of_row, 0])
+    one = of_row[which]
+    pixel = row[which] * rays.width + column + boxes[one, 0]
+    x, y = (at.ravel() for at in rays.grid)
+
+    def at_pixels(k: int) -> Floats:
+        constant, per_x, per_y = forms[one, k].T
+        values: Floats = (constant + y[pixel] * per_y) + x[pixel] * per_x
+        return values
+
+    for k in range(3):
+        inside = np.flatnonzero(at_pixels(k) >= 0.0)
+        one, pixel = one[inside], pixel[inside]
+    _keep_nearest(one, pixel, at_pixels(3), nearness, triangle)
+
+
 def _keep_nearest(one: Numbers, pixel: Numbers, value: Floats, nearness: Floats, triangle: Numbers) -> None:
     """Put triangles into pixels where they are nearest."""
     nearer = value > nearness.ravel()[pixel]
@@ -225,47 +273,3 @@ def _keep_nearest(one: Numbers, pixel: Numbers, value: Floats, nearness: Floats,
     order = np.lexsort((one, -value, pixel))
     order = order[np.append(True, np.diff(pixel[order]) != 0)[: len(order)]]
     nearness.ravel()[pixel[order]], triangle.ravel()[pixel[order]] = value[order], one[order]
-
-
-def _draw_seen(forms: Floats, boxes: Numbers, rays: PixelRays, nearness: Floats, triangle: Numbers) -> None:
-    """`face_kernels.draw_seen` in numpy: the same pixels, a number of candidates at a time."""
-    blocks, shape = rays.blocks, nearness.shape
-    inner = [at[1:-1, 1:-1].ravel() for at in rays.points]
-
-    def descend(level: int, one: Numbers, i: Numbers, j: Numbers) -> None:
-        low_x, high_x, low_y, high_y = blocks.ends[:, blocks.first[level] + i * blocks.wide[level] + j]
-        left, top, right, bottom = boxes[one].T
-        meets = np.flatnonzero((high_x >= left) & (low_x <= right) & (high_y >= top) & (low_y <= bottom))
-        one, i, j = one[meets], i[meets], j[meets]
-        side = 2 if level else LEAF_PX
-        high, wide = (blocks.high[level - 1], blocks.wide[level - 1]) if level else shape
-        # In the order of the triangles.
-        for start in range(0, len(one), _BATCH // side**2):
-            part = slice(start, start + _BATCH // side**2)
-            below, beside = (
-                (at[part, np.newaxis] * side + off).ravel()
-                for at, off in zip((i, j), np.divmod(np.arange(side * side), side))
-            )
-            owner = one[part].repeat(side * side)
-            inside = np.flatnonzero((below < high) & (beside < wide))
-            owner, below, beside = owner[inside], below[inside], beside[inside]
-            if level:
-                descend(level - 1, owner, below, beside)
-            else:
-                draw(owner, below * shape[1] + beside)
-
-    def draw(one: Numbers, pixel: Numbers) -> None:
-        for k in range(3):
-            inside = np.flatnonzero(_at(forms, one, k, inner, pixel) >= 0.0)
-            one, pixel = one[inside], pixel[inside]
-        _keep_nearest(one, pixel, _at(forms, one, 3, inner, pixel), nearness, triangle)
-
-    start = np.zeros(len(boxes), np.int64)
-    descend(len(blocks.first) - 1, np.arange(len(boxes)), start, start)
-
-
-def _at(forms: Floats, one: Numbers, k: int, points: list[Floats], pixel: Numbers) -> Floats:
-    """Values of one function of triangles at the points of pixels."""
-    constant, per_x, per_y = forms[one, k].T
-    values: Floats = (constant + points[1][pixel] * per_y) + points[0][pixel] * per_x
-    return values

@@ -20,8 +20,8 @@ _KEPT = 4
 #: Points along each side of a distorted image that stand for the ground it sees, as its edges are bent.
 _FINE = 33
 
-#: Side, px, of the smallest blocks of pixels whose points have a box.
-LEAF_PX = 8
+#: A column or row beyond all images.
+_FAR_PX = 1 << 40
 
 #: Points of pixels as compiled code takes them; without any for an ideal camera.
 Points = tuple[Floats, Floats]
@@ -71,10 +71,15 @@ class PixelRays:
         x, y = np.meshgrid(np.arange(self.width) + 0.5, np.arange(self.height) + 0.5)
         return x, y
 
-    @cached_property
-    def blocks(self) -> PixelBlocks:
-        """Boxes around the points of blocks of pixels."""
-        return PixelBlocks.build(*self.grid)
+    @property
+    def index(self) -> PixelIndex:
+        """Pixels by the places of their points."""
+        return PixelIndex.build(*self.grid, self.plane_px)
+
+    @property
+    def top(self) -> int:
+        """First row of the image in the image that `index` is of."""
+        return 0
 
     @cached_property
     def pixel(self) -> float:
@@ -167,7 +172,8 @@ class PixelRays:
         return on_grid(forms, *middles).reshape(len(forms), 3, -1), off_x, off_y[:, np.newaxis]
 
 
-class SeenPoints(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class SeenPoints:
     """Points of the ideal image plane that pixels of a distorted image see, with the pixels around the image.
 
     Attributes
@@ -203,9 +209,10 @@ class SeenPoints(NamedTuple):
                 at[:, outer] = 2.0 * at[:, outer] - at[:, inner]
         return cls(x, y, (low_x, low_y), plane_px, _least_step(x, y))
 
-    def rows(self, top: int, bottom: int) -> SeenPoints:
-        """Points of some rows of pixels."""
-        return self._replace(x=self.x[top : bottom + 2], y=self.y[top : bottom + 2])
+    @cached_property
+    def index(self) -> PixelIndex:
+        """Pixels by the places of their points."""
+        return PixelIndex.build(self.x[1:-1, 1:-1], self.y[1:-1, 1:-1], self.plane_px)
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,6 +220,7 @@ class DistortedRays(PixelRays):
     """Rays of an image that a lens distorts: x and y count on the ideal image plane, from a corner of what is seen."""
 
     seen: SeenPoints
+    top: int = 0
 
     @classmethod
     def through_lens(cls, ideal: PixelRays, seen: SeenPoints) -> DistortedRays:
@@ -234,12 +242,19 @@ class DistortedRays(PixelRays):
     @property
     def points(self) -> Points:
         """See `PixelRays`."""
-        return self.seen.x, self.seen.y
+        rows = slice(self.top, self.top + self.height + 2)
+        return self.seen.x[rows], self.seen.y[rows]
+
+    @property
+    def index(self) -> PixelIndex:
+        """See `PixelRays`."""
+        return self.seen.index
 
     @property
     def grid(self) -> Points:
         """See `PixelRays`."""
-        return self.seen.x[1:-1, 1:-1], self.seen.y[1:-1, 1:-1]
+        x, y = self.points
+        return x[1:-1, 1:-1], y[1:-1, 1:-1]
 
     @cached_property
     def pixel(self) -> float:
@@ -286,7 +301,7 @@ class DistortedRays(PixelRays):
 
     def rows(self, top: int, bottom: int) -> DistortedRays:
         """See `PixelRays`."""
-        return replace(self, height=bottom - top, seen=self.seen.rows(top, bottom))
+        return replace(self, height=bottom - top, top=self.top + top)
 
     def coefficients(self, forms: list[Floats], top: int, bottom: int) -> Floats:
         """See `PixelRays`."""
@@ -313,28 +328,42 @@ class DistortedRays(PixelRays):
         return at_points(forms, *middles).reshape(len(forms), 3, -1), offsets[0], offsets[1]
 
 
-class PixelBlocks(NamedTuple):
-    """Boxes around the points of pixels in blocks of 8 x 8, 16 x 16, … px, for `DistortedRays`.
+class PixelIndex(NamedTuple):
+    """Boxes around the pixels whose points lie in cells of the ideal image plane, of ``cell_px``, twice as much, ….
 
-    ``ends`` (4, n) are least and greatest x, least and greatest y of all levels, one after the other; level i begins at
-    ``first[i]`` and has ``high[i]`` rows and ``wide[i]`` columns. A level of one block is the last.
+    ``ends`` (4, n) are first columns, the ones after the last, first rows and the ones after the last, of all levels
+    one after the other; level i begins at ``first[i]`` and has ``high[i]`` rows of ``wide[i]`` cells. A level of one
+    cell is the last.
     """
 
-    ends: Floats
+    ends: Numbers
     first: Numbers
     high: Numbers
     wide: Numbers
+    cell_px: int
 
     @classmethod
-    def build(cls, x: Floats, y: Floats) -> PixelBlocks:
-        """Build the blocks of points (height, width)."""
-        levels = [[end_of_bundles(at, LEAF_PX, end) for at in (x, y) for end in (np.minimum, np.maximum)]]
+    def build(cls, x: Floats, y: Floats, plane_px: tuple[int, int]) -> PixelIndex:
+        """Index of points (height, width) within an ideal image plane."""
+        # About as many cells as pixels.
+        cell_px = max(2, math.ceil(math.sqrt(plane_px[0] * plane_px[1] / x.size)))
+        wide, high = (side // cell_px + 1 for side in plane_px)
+        cell = (y / cell_px).astype(np.int64) * wide + (x / cell_px).astype(np.int64)
+        order = np.argsort(cell, axis=None)
+        place = np.unravel_index(order, x.shape)
+        cells, begins = np.unique(cell.ravel()[order], return_index=True)
+        ends = np.stack([np.full(high * wide, end) for end in (_FAR_PX, 0, _FAR_PX, 0)])
+        for axis, at in enumerate(place[::-1]):
+            ends[2 * axis, cells] = np.minimum.reduceat(at, begins)
+            ends[2 * axis + 1, cells] = np.maximum.reduceat(at, begins) + 1
+        levels = [ends.reshape(4, high, wide)]
         while levels[-1][0].size > 1:
-            ends = np.minimum, np.maximum, np.minimum, np.maximum
-            levels.append([end_of_bundles(at, 2, end) for at, end in zip(levels[-1], ends)])
-        high, wide = np.array([level[0].shape for level in levels], np.int64).T.copy()
-        flat = np.concatenate([np.stack([at.ravel() for at in level]) for level in levels], axis=1)
-        return cls(flat, np.cumsum(high * wide) - high * wide, high, wide)
+            kinds = np.minimum, np.maximum, np.minimum, np.maximum
+            levels.append(np.stack([end_of_bundles(at, 2, kind) for at, kind in zip(levels[-1], kinds)]))
+        sizes = np.array([level.shape[1:] for level in levels], np.int64)
+        flat = np.concatenate([level.reshape(4, -1) for level in levels], axis=1)
+        counts = sizes.prod(axis=1)
+        return cls(flat, np.cumsum(counts) - counts, sizes[:, 0].copy(), sizes[:, 1].copy(), cell_px)
 
 
 def _least_step(x: Floats, y: Floats) -> float:

@@ -20,6 +20,8 @@ from .pixel_rays import PixelRays
 
 #: Most ground that a pixel's sample steps over, in pixels of a face across the ray: as for relief.
 _MOST_STEP = 50.0
+#: Most where nothing is too much, and no product of it infinite.
+_ENDLESS = 1e140
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -111,7 +113,7 @@ class SeenFaces(NamedTuple):
         faces, which = self._distinct(textured)
         corners = np.moveaxis(skin.places[faces], 2, 0)
         found = self._interpolated(
-            corners, faces, which, (painted.row[some], painted.column[some]), np.full((2, 1), np.inf)
+            corners, faces, which, (painted.row[some], painted.column[some]), np.full(2, _ENDLESS)
         )
         colours = skin.colours(textured, found, self.hits.triangles.colour[textured])
         places = painted.which.copy()
@@ -149,8 +151,7 @@ class SeenFaces(NamedTuple):
         corners = np.stack([u - float(grid.meridian_u(np.asarray(meridian))), v])
         most = _MOST_STEP / float(grid.ground_m_per_px(np.array(self.place[0]), np.array(meridian), grid.native_zoom))
         most /= grid.world_px(grid.native_zoom)
-        pixels = self.rays.changes(row, column, *(way[:, np.newaxis] for way in self.rays.ways[1:]))
-        most_steps = most * np.stack([np.linalg.norm(per, axis=0) for per in pixels])
+        most_steps = np.array([most * float(np.linalg.norm(per)) for per in self.rays.ways[1:]])
         return self._interpolated(corners, faces, which, (row, column), most_steps)
 
     def _interpolated(
@@ -168,8 +169,8 @@ class SeenFaces(NamedTuple):
             Place of each pixel's triangle among them.
         pixels : pair of arrays (n,)
             Rows and columns.
-        most_steps : array (2, 1), or (2, n)
-            Greatest changes along columns and rows, for each unit of distance.
+        most_steps : array (2,)
+            Greatest changes along columns and rows of the ideal image, for each unit of distance.
         """
         # Edge functions are for the edges from the first, second and third corner: weights of the one opposite.
         weights = self.hits.forms[faces][:, [1, 2, 0]]
@@ -200,8 +201,10 @@ def _interpolate(
     u, v, whole = (constant + x * per_x + y * per_y for constant, per_x, per_y in lines)
     found[:2] = u / whole, v / whole
     changes = [rays.changes(*pixels, per_x, per_y) for _, per_x, per_y in lines]
-    for term, most in enumerate(most_steps):
+    ends = [rays.changes(*pixels, *at) for at in ((most_steps[0], 0.0), (0.0, most_steps[1]))]
+    for term in range(2):
         step = [(changes[at][term] - found[at] * changes[2][term]) / whole for at in range(2)]
         length = np.sqrt(step[0] * step[0] + step[1] * step[1])
+        most = np.hypot(ends[0][term], ends[1][term])
         share = np.minimum(most * t / np.maximum(length, _TINY), 1.0)
         found[2 * term + 2 : 2 * term + 4] = share * step[0], share * step[1]
