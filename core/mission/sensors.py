@@ -54,14 +54,17 @@ def sensor_named(name: str) -> SensorPreset:
     if wanted in presets:
         return presets[wanted]
     words = set(wanted.split())
-    found = [one for known, one in presets.items() if words and words <= set(known.split())]
+    words_of = {one.name: set(_key(one.name).split()) for one in presets.values()}
+    found = [one for one in presets.values() if words and words <= words_of[one.name]]
     if len(found) == 1:
         return found[0]
     import difflib
 
-    close = [one.name for one in found] or [
-        presets[near].name for near in difflib.get_close_matches(wanted, presets, n=3, cutoff=0.4)
-    ]
+    if not found:
+        known = set().union(*words_of.values())
+        words = {near for word in words for near in difflib.get_close_matches(word, known, n=1, cutoff=0.7)}
+    alike = sorted(words_of, key=lambda one: -len(words & words_of[one]))
+    close = [one for one in alike if words & words_of[one]][:3]
     hint = (
         Message("did you mean {0}?", " or ".join(close))
         if close

@@ -70,6 +70,9 @@ def test_an_unknown_sensor_is_refused_with_similar_ones():
     )
     assert ALVIUM in refused(image_sensor="Alvium 1800 C-508m")
     assert "low gain or FRAMOS IMX900 high gain?" in refused(image_sensor="IMX900")
+    assert refused(image_sensor="alvum").endswith("C-2460m?")
+    assert refused(image_sensor="alviun c507").count("Alvium") == 3
+    assert refused(image_sensor="framos imx-900").endswith("FRAMOS IMX900 low gain or FRAMOS IMX900 high gain?")
     assert "known are Allied Vision" in refused(image_sensor="zzz")
 
 

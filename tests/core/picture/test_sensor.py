@@ -61,6 +61,13 @@ def test_a_sensor_without_noise_leaves_images_as_they_are(source, tmp_path):
         assert (before[..., 3:] == after[..., 3:]).all()
 
 
+def test_without_a_sensor_images_have_the_same_bytes(source, tmp_path):
+    for name, values in (("ideal", {}), ("pitch", {"pixel_um": 3.45})):
+        captured(source, tmp_path / name, mission_of(**values))
+    for path in (tmp_path / "ideal").glob("satellite/*"):
+        assert path.read_bytes() == (tmp_path / "pitch" / "satellite" / path.name).read_bytes()
+
+
 def test_raw_values_are_kept_as_16_bits(source, tmp_path):
     ideal = captured(source, tmp_path / "ideal", mission_of())
     captured(source, tmp_path / "raw", mission_of(image_sensor=FRAMOS, products=("raw",), bayer="grbg"))
