@@ -17,8 +17,14 @@ def cos4_falloff(right: Floats, down: Floats) -> NDArray[np.float32]:
     right, down : array
         Tangents of the angles between the axis and the pixels' rays, which broadcast to (h, w).
     """
-    squared: Floats = 1.0 + right * right + down * down
-    return (1.0 / (squared * squared)).astype(np.float32)
+    share = _squared(right) + (np.float32(1.0) + _squared(down))
+    share *= share
+    return np.divide(np.float32(1.0), share, out=share)
+
+
+def _squared(values: Floats) -> NDArray[np.float32]:
+    # Single precision takes half the time, and is exact to a ten-millionth.
+    return np.square(values).astype(np.float32)
 
 
 def radial_falloff(right: Floats, down: Floats, terms: Sequence[float]) -> NDArray[np.float32]:
@@ -31,12 +37,13 @@ def radial_falloff(right: Floats, down: Floats, terms: Sequence[float]) -> NDArr
     terms : sequence of float
         The coefficients a, b, c, of which the last ones may be left out.
     """
-    squared = right * right + down * down
+    squared = _squared(right) + _squared(down)
     share = np.zeros_like(squared)
     for term in reversed(terms):
-        share += term
+        share += np.float32(term)
         share *= squared
-    return np.maximum(share + 1.0, 0.0).astype(np.float32)
+    share += np.float32(1.0)
+    return np.maximum(share, np.float32(0.0), out=share)
 
 
 def dim(light: NDArray[np.float32], share: NDArray[np.float32]) -> None:

@@ -266,11 +266,27 @@ def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = 
     """
     place = _Viewpoint.locate(lat_deg, agl_m, ground)
     rays = np.asarray(rays_enu, np.float64)
+    t, hit = _meeting(place, rays, ground)
+    return GroundPoints(*place.geodetic(t * rays[..., 0], t * rays[..., 1], place.agl_m + t * rays[..., 2]), hit)
+
+
+def distances_m(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> Floats:
+    """Distances (...) in metres from cameras to the ground along rays; infinite where they miss it.
+
+    Parameters are those of `trace`.
+    """
+    rays = np.asarray(rays_enu, np.float64)
+    t, hit = _meeting(_Viewpoint.locate(lat_deg, agl_m, ground), rays, ground)
+    found: Floats = np.where(hit, t * np.sqrt(rays[..., 0] ** 2 + rays[..., 1] ** 2 + rays[..., 2] ** 2), np.inf)
+    return found
+
+
+def _meeting(place: _Viewpoint, rays: Floats, ground: Ellipsoid) -> tuple[Floats, NDArray[np.bool_]]:
+    """Multiples of rays at which they meet the ground, NaN if they do not; and whether they do."""
     disc, half_lin = _clearance(place, rays, ground)
     hit = np.asarray((disc >= 0.0) & (half_lin < 0.0))
     with np.errstate(invalid="ignore", divide="ignore"):
-        t = np.where(hit, place.excess_m2 / (np.sqrt(np.where(hit, disc, 0.0)) - half_lin), np.nan)
-    return GroundPoints(*place.geodetic(t * rays[..., 0], t * rays[..., 1], place.agl_m + t * rays[..., 2]), hit)
+        return np.where(hit, place.excess_m2 / (np.sqrt(np.where(hit, disc, 0.0)) - half_lin), np.nan), hit
 
 
 def clearance(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from ..camera.light import (
 from ..camera.optics import cos4_falloff, dim, radial_falloff
 from ..mission.mission import Mission
 from ..mission.parts import BY_ISO, BY_TIME, COS4, Air, CameraOptics, ExposureControl
-from .optics import planned_optics
 from .scene import Light, PictureScene
 from .shot import Shot
 
@@ -50,21 +48,13 @@ class Vignetting:
 
     def apply(self, light: Light) -> None:
         """Dim the light towards the image's corners."""
-        scene = light.scene
-        geometry = tuple(float(one[0]) for one in planned_optics(scene.plan, np.array([scene.index])))
-        dim(light.values, _falloff(self.optics.vignetting, self.optics.falloff_terms, geometry))
-        light.facts["vignetting"] = self.optics.vignetting
-
-
-@lru_cache(maxsize=4)
-def _falloff(name: str, terms: tuple[float, ...], geometry: tuple[float, ...]) -> NDArray[np.float32]:
-    """Share (h, w) of the light that arrives; the same for all images of a camera frame's size."""
-    width, height, focal_x, focal_y, centre_x, centre_y = geometry
-    right, down = np.arange(width) + 0.5 - centre_x, (np.arange(height) + 0.5 - centre_y)[:, np.newaxis]
-    if name == COS4:
-        return cos4_falloff(right / focal_x, down / focal_y)
-    corner = np.hypot(width, height) / 2.0
-    return radial_falloff(right / corner, down / corner, terms)
+        scene, optics = light.scene, self.optics
+        if optics.vignetting == COS4:
+            share = cos4_falloff(*scene.tangents)
+        else:
+            share = radial_falloff(*scene.radii, optics.falloff_terms)
+        dim(light.values, share)
+        light.facts["vignetting"] = optics.vignetting
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -11,10 +12,18 @@ import numpy as np
 from ..arrays import Floats, NDArray
 from ..bands import Bands
 from ..camera.light import SRGB
+from ..geodesy.accuracy import ImageGeometry
+from ..geodesy.camera import Poses
+from ..geodesy.ellipsoid import distances_m
+from ..geodesy.view import ImageRays
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from .optics import planned_optics
 from .shot import MapShot, Shot
+from .takes import middle_strips
+
+#: Pixels whose ground is found together.
+_CACHED_PX = 1 << 15
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +51,49 @@ class PictureScene:
 
     @cached_property
     def tangents(self) -> tuple[Floats, Floats]:
-        """Tangents of the angles between the optical axis and the pixels' rays: to the right (w,), and down (h, 1)."""
+        """Tangents of the angles of the pixels' rays to the optical axis, right and down, which broadcast to (h, w)."""
         width, height = self.size_px
-        _, _, focal_x, focal_y, x, y = (float(one[0]) for one in planned_optics(self.plan, np.array([self.index])))
-        return (np.arange(width) + 0.5 - x) / focal_x, (np.arange(height) + 0.5 - y)[:, np.newaxis] / focal_y
+        if self.plan.frames.on_map:
+            _, _, focal_x, focal_y, x, y = (float(one[0]) for one in planned_optics(self.plan, np.array([self.index])))
+            return (np.arange(width) + 0.5 - x) / focal_x, (np.arange(height) + 0.5 - y)[:, np.newaxis] / focal_y
+        x_px, y_px = self._rays(self.plan.poses.take(np.array([self.index]))).ideal_centres(0, height)
+        tan_x, tan_y = self.plan.mission.camera.half_tangents
+        return (2.0 * x_px / width - 1.0) * tan_x, (2.0 * y_px / height - 1.0) * tan_y
+
+    @property
+    def radii(self) -> tuple[Floats, Floats]:
+        """Distances of pixels from the principal point as shares of half the diagonal, right (w,) and down (h, 1)."""
+        width, height = self.size_px
+        x, y = (float(one[0]) for one in planned_optics(self.plan, np.array([self.index]))[4:])
+        corner = math.hypot(width, height) / 2.0
+        return (np.arange(width) + 0.5 - x) / corner, (np.arange(height) + 0.5 - y)[:, np.newaxis] / corner
+
+    def _rays(self, pose: Poses) -> ImageRays:
+        return ImageRays.from_scene(ImageGeometry(self.plan.mission.camera, *self.size_px, pose, self.plan.ground))
 
     @cached_property
     def range_m(self) -> Floats:
         """Slant range from the camera to what each pixel shows, (h, w); infinite where it shows sky."""
+        if self.plan.relief.is_level and not self.plan.frames.on_map:
+            return self._level_range_m()
         from .products import sighting
 
         right, down = self.tangents
         depth_m = sighting(self.plan, self.index, self.size_px, self.shot).depth_m
         return np.where(np.isfinite(depth_m), depth_m * np.sqrt(1.0 + right**2 + down**2), np.inf)
+
+    def _level_range_m(self) -> Floats:
+        """`range_m` of a camera frame over level ground, in a twentieth of the time of its ground points."""
+        width, height = self.size_px
+        range_m = np.empty((height, width))
+        rows = max(_CACHED_PX // width, 1)
+        for first, end, pose in middle_strips(self.plan, self.index, self.size_px):
+            rays = self._rays(pose)
+            for top in range(first, end, rows):
+                bottom = min(top + rows, end)
+                directions = rays.ideal_directions(*rays.ideal_centres(top, bottom))
+                range_m[top:bottom] = distances_m(pose.lat_deg[0], pose.agl_m[0], directions, self.plan.ground)
+        return range_m
 
 
 class RawValues(NamedTuple):

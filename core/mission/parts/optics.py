@@ -71,7 +71,9 @@ class CameraOptics(CheckedFields):
         """Check every field; store equal coefficients as equal texts."""
         given: Any = self.vignetting
         with suppress(ValueError, AttributeError):
-            object.__setattr__(self, "vignetting", " ".join(f"{real_number(one):.15g}" for one in given.split()))
+            terms = [real_number(one) for one in given.split()]
+            if all(map(math.isfinite, terms)):
+                object.__setattr__(self, "vignetting", " ".join(f"{one:.15g}" for one in terms))
         super().__post_init__()
 
     @property
