@@ -14,7 +14,7 @@ from ..errors import InvalidInput
 from ..mission.mission import Mission
 from ..mission.parts import IDEAL, NO_VIGNETTING
 from ..mission.plan import Plan
-from .photometry import ExposedImage, Haze, ToneCurve, Vignetting, WhiteBalance
+from .photometry import ExposedImage, Haze, ToneCurve, Vignetting, WhiteBalance, check_white_balance
 from .scene import Light, PictureScene, RawValues
 from .sensor import SensorReadout, check_sensor
 from .shot import MapShot, Shot
@@ -94,3 +94,4 @@ def check_bands(mission: Mission, bands: Bands) -> None:
         )
     if mission.sensor.image_sensor:
         check_sensor(mission, bands)
+    check_white_balance(mission, bands)

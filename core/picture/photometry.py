@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import NDArray
+from ..bands import Bands
 from ..camera.air import add_haze, extinction_per_m
 from ..camera.light import (
     LUMINANCE,
@@ -18,6 +19,7 @@ from ..camera.light import (
     white_exposure_s,
 )
 from ..camera.optics import cos4_falloff, dim, radial_falloff
+from ..errors import InvalidInput
 from ..mission.mission import Mission
 from ..mission.parts import BY_ISO, BY_TIME, COS4, Air, CameraOptics, ExposureControl
 from .scene import Light, PictureScene
@@ -111,6 +113,17 @@ class WhiteBalance:
         """Adapt the colours."""
         light.values = mixed(light.values, white_balance(self.temperature_k))
         light.facts["white_balance_k"] = self.temperature_k
+
+
+def check_white_balance(mission: Mission, bands: Bands) -> None:
+    """Raise InvalidInput for a white balance of imagery without colours."""
+    if mission.exposure.white_balance_k is not None and len(bands) != 3:
+        raise InvalidInput(
+            "white balance {0:g} K: needs red, green and blue, and the source gives {1}",
+            mission.exposure.white_balance_k,
+            bands,
+            field="white_balance_k",
+        )
 
 
 @dataclass(frozen=True)

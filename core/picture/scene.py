@@ -18,9 +18,9 @@ from ..geodesy.ellipsoid import distances_m
 from ..geodesy.view import ImageRays
 from ..mission.mission import Mission
 from ..mission.plan import Plan
+from ..mission.takes import middle_strips
 from .optics import planned_optics
 from .shot import MapShot, Shot
-from .takes import middle_strips
 
 #: Pixels whose ground is found together.
 _CACHED_PX = 1 << 15

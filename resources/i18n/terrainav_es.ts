@@ -14294,6 +14294,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>choose manual or iso</source>
+        <translation>elija manual o iso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>exposure {0}: meters images, whose blur by motion needs the exposure time before</source>
+        <translation>exposición {0}: mide las imágenes, cuyo desenfoque por movimiento necesita antes el tiempo de exposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>exposure {0}: needs an exposure time</source>
         <translation>exposición {0}: necesita un tiempo de exposición</translation>
     </message>
@@ -16413,6 +16423,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/picture/map_frame.py"/>
         <source>part at {0}, {1} px has shape {2} of {3}: {4} of {5} was asked for</source>
         <translation>la parte en {0}, {1} px tiene la forma {2} de {3}: se pidió {4} de {5}</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/photometry.py"/>
+        <source>white balance {0:g} K: needs red, green and blue, and the source gives {1}</source>
+        <translation>balance de blancos {0:g} K: necesita rojo, verde y azul, y la fuente da {1}</translation>
     </message>
     <message>
         <location filename="../../core/picture/sensor.py"/>

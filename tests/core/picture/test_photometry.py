@@ -410,7 +410,8 @@ def test_bad_values_get_one_line(part, values, says):
 
 
 def test_coefficients_are_kept_in_one_form():
-    assert CameraOptics(" -.30  0.1 ").vignetting == "-0.3 0.1" == CameraOptics("-3e-1 0.10").vignetting
+    assert CameraOptics(vignetting=" -.30  0.1 ").vignetting == "-0.3 0.1"
+    assert CameraOptics(vignetting="-3e-1 0.10") == CameraOptics(vignetting="-0.3 0.1")
 
 
 @pytest.mark.parametrize("exposure", ["manual", "iso"])
