@@ -43,6 +43,7 @@ class Unit:
 #: Units by the names used in `fields.declared`.
 UNITS = {
     "": Unit(),
+    "coefficient": Unit(decimals=12),
     "m": Unit(Message("m"), Message("metres"), " m", 6),
     "deg": Unit(Message("deg"), Message("degrees"), " °", 6),
     "px": Unit(Message("px"), Message("px"), " px", 12),

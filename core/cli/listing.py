@@ -215,7 +215,7 @@ def _add_camera(arguments: argparse.Namespace) -> int:
     from ..mission.cameras import FACTS, add_camera
 
     given = vars(arguments)
-    facts = {fact: given[fact] for fact in FACTS if given[fact] is not None}
+    facts = {fact: given[fact] for fact in FACTS if given.get(fact) is not None}
     camera = add_camera(arguments.name, facts).camera
     print(
         f"{arguments.name} added: {camera.fov_deg:.2f} deg diagonal, {camera.horizontal_fov_deg:.2f} by "

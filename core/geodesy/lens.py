@@ -27,7 +27,7 @@ LENSES = {PERSPECTIVE: "perspective", FISHEYE: "fisheye"}
 
 
 def _coefficient(title: str, help: str) -> Any:  # noqa: A002  as argparse calls it
-    return declared(0.0, title=title, help=help, advanced=True)
+    return declared(0.0, title=title, help=help, unit="coefficient", advanced=True)
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,7 @@ class Lens(CheckedFields):
         0.0,
         title="principal point, right",
         help="how far the optical axis meets the image right of its centre, as a share of its width",
+        unit="coefficient",
         least=-0.5,
         most=0.5,
         advanced=True,
@@ -89,6 +90,7 @@ class Lens(CheckedFields):
         0.0,
         title="principal point, down",
         help="how far the optical axis meets the image below its centre, as a share of its height",
+        unit="coefficient",
         least=-0.5,
         most=0.5,
         advanced=True,
@@ -97,6 +99,7 @@ class Lens(CheckedFields):
         0.0,
         title="scale of red",
         help="magnification of red relative to green, minus 1: 0.001 moves a corner at 400 px outward by 0.4 px",
+        unit="coefficient",
         least=-0.1,
         most=0.1,
         advanced=True,
@@ -105,6 +108,7 @@ class Lens(CheckedFields):
         0.0,
         title="scale of blue",
         help="magnification of blue relative to green, minus 1",
+        unit="coefficient",
         least=-0.1,
         most=0.1,
         advanced=True,

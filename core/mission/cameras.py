@@ -17,7 +17,7 @@ from ..storage.config import Shelf, config_file, read_named, read_shelf, write_n
 #: Facts that state the field of view; a camera has one of them.
 _VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm", "focal_px")
 #: Coefficients of a lens.
-_COEFFICIENTS = tuple(name for name in LENS_FIELDS if name not in ("lens", "principal_x", "principal_y"))
+_COEFFICIENTS = tuple(name for name in LENS_FIELDS if name != "lens")
 #: All facts of a camera.
 FACTS = (
     *_VIEWS,

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ...core.geodesy.lens import LENS_FIELDS
 from ...core.units import LENGTHS_M, M_PER_FT
 from .state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState, in_metres
 from .text import aspect_text, parse_aspect
@@ -32,9 +33,9 @@ _NOTHING_TYPED = {
     "sensor_height_mm": 0.0,
 }
 #: All entries of the camera.
-CAMERA_ENTRIES = ("fov_mode", "fov_deg", *_NOTHING_TYPED, "aspect", "image_px")
+CAMERA_ENTRIES = ("fov_mode", "fov_deg", *_NOTHING_TYPED, "aspect", "image_px", *LENS_FIELDS)
 #: Entries that, together with the height, determine the ground sample distance.
-_CAMERA = {"fov_deg", "aspect", *_NOTHING_TYPED}
+_CAMERA = {"fov_deg", "aspect", "lens", *_NOTHING_TYPED}
 
 
 def state_camera(state: FormState) -> Camera | None:
@@ -43,9 +44,14 @@ def state_camera(state: FormState) -> Camera | None:
     from ...core.geodesy.camera import Camera
 
     try:
-        return Camera(state.fov_deg, parse_aspect(state.aspect))
+        return Camera(state.fov_deg, parse_aspect(state.aspect), **lens_values(state))
     except (ValueError, InvalidInput):
         return None
+
+
+def lens_values(state: FormState) -> dict[str, Any]:
+    """Fields of the lens of a state."""
+    return {name: getattr(state, name) for name in LENS_FIELDS}
 
 
 def camera_as_typed(state: FormState, aspect_ratio: float) -> Camera:
@@ -59,12 +65,12 @@ def camera_as_typed(state: FormState, aspect_ratio: float) -> Camera:
     from ...core.geodesy.camera import Camera
 
     if state.fov_mode == HORIZONTAL:
-        return Camera.from_horizontal_fov(state.fov_typed_deg, aspect_ratio)
+        return Camera.from_horizontal_fov(state.fov_typed_deg, aspect_ratio, state.lens)
     if state.fov_mode == VERTICAL:
-        return Camera.from_vertical_fov(state.fov_typed_deg, aspect_ratio)
+        return Camera.from_vertical_fov(state.fov_typed_deg, aspect_ratio, state.lens)
     if state.fov_mode == SENSOR:
         size_mm = (state.sensor_width_mm, state.sensor_height_mm)
-        return Camera.from_sensor(size_mm, state.focal_length_mm, aspect_ratio)
+        return Camera.from_sensor(size_mm, state.focal_length_mm, aspect_ratio, state.lens)
     return Camera(state.fov_deg, aspect_ratio)
 
 

@@ -6,7 +6,8 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from ...core.fields import declared_fields
+from ...core.fields import declared_fields, field_named
+from ...core.geodesy.lens import LENS_FIELDS, Lens
 from ...core.mission.parts import FLAT_PARTS, REALISM_PARTS
 from ..i18n import number_text, tr, translate
 from ..units import gsd_text, length_text
@@ -127,9 +128,13 @@ def _changed_choice(state: FormState, name: str) -> str:
 
 
 def _changed_titles(state: FormState, parts: Iterable[str]) -> list[str]:
-    """Titles of the fields of parts that differ from their defaults."""
+    """Titles of the fields of a lens, as one, and of parts that differ from their defaults."""
+    lens = (
+        field_named(Lens, "lens").title if any(getattr(state, one) != getattr(Lens, one) for one in LENS_FIELDS) else ""
+    )
     changed = (one for part in parts for one in declared_fields(FLAT_PARTS[part]))
-    return [translate(one.title) for one in changed if getattr(state, one.name) != one.default]
+    titles = [one.title for one in changed if getattr(state, one.name) != one.default]
+    return [translate(title) for title in (lens, *titles) if title]
 
 
 def _number(value: float) -> str:

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import declared_fields, field_named
+from ...core.geodesy.lens import LENS_FIELDS
 from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Output, Route
 from ..i18n import number_text, plain_number, tr, translate
 from .area import FormError, edge_deg, entered_shape, no_fly_text, parse_no_fly, replace_box, shape_text
-from .camera import camera_as_typed, convert_camera, in_length_unit
+from .camera import camera_as_typed, convert_camera, in_length_unit, lens_values
 from .state import (
     BOX_FIELDS,
     DECLARED,
@@ -127,7 +128,7 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
         checks.messages["agl"] = tr("height above ground {height} {unit}: must be above 0").format(
             height=number_text(state.agl, "g"), unit=state.agl_unit
         )
-    entries = {name: getattr(state, name) for name in ENTERED_AS_DECLARED}
+    entries = {name: getattr(state, name) for name in ENTERED_AS_DECLARED if name not in LENS_FIELDS}
     entries.update(_pixels(state), source=state.source_name, takeoff=checks("takeoff", lambda: takeoff(state)))
     if not state.map_types:
         checks.messages["map_types"] = tr("no map type: tick one or more")
@@ -306,7 +307,13 @@ def _camera(state: FormState, checks: _Checks) -> Any:
     if state.height_by == "gsd" and not state.camera_gsd > 0.0:
         checks.messages["camera_gsd"] = tr("GSD: must be above 0")
     # Use the stored diagonal: recomputed from the typed numbers, its last digits may differ.
-    return checks(field, lambda: Camera(state.fov_deg, ratio)) if sound and field not in checks.messages else None
+    if not sound or field in checks.messages:
+        return None
+    if checks(field, lambda: Camera(state.fov_deg, ratio)) is None:
+        return None
+    for name in LENS_FIELDS:
+        checks(name, partial(_check, name, getattr(state, name)))
+    return checks("k1", lambda: Camera(state.fov_deg, ratio, **lens_values(state)))
 
 
 def _box(state: FormState, checks: _Checks) -> Box | None:
@@ -345,6 +352,7 @@ def mission_state(mission: Mission, folder: str, like: FormState | None = None) 
     given = {name: value for part in FLAT_PARTS for name, value in vars(getattr(mission, part)).items()}
     first = mission.of_first_imagery.imagery
     given.update(source=first.source, date=first.date, map_types=first.map_types)
+    given.update((name, getattr(mission.camera, name)) for name in LENS_FIELDS)
     state = FormState(
         fov_deg=mission.camera.fov_deg,
         **_pixel_entries(mission),

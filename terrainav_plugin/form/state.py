@@ -8,7 +8,7 @@ from typing import Any
 
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
-from ...core.geodesy.lens import Lens
+from ...core.geodesy.lens import LENS_FIELDS, Lens
 from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Pixels, Route
 from ...core.text.safe_json import parse_json
@@ -26,6 +26,7 @@ _ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size", "takeoff", "i
 ENTERED_AS_DECLARED: dict[str, Field] = {
     one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _ENTERED_OTHERWISE
 }
+ENTERED_AS_DECLARED.update((name, field_named(Lens, name)) for name in LENS_FIELDS)
 #: Fields in `ENTERED_AS_DECLARED` without widgets: the panel keeps the values of a mission, and shows a note.
 WITHOUT_ENTRY = ("mesh", "seed", "max_images")
 #: Field of a mission for each entry: same names, entries that differ, and entries of the wind.

@@ -12,7 +12,8 @@ from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QInputDialog, QMenu, QToolButton
 
 from ...core.errors import InvalidInput, OutputError
-from ..form.camera import convert_camera, state_camera, update_height
+from ...core.geodesy.lens import LENS_FIELDS, Lens
+from ..form.camera import convert_camera, lens_values, state_camera, update_height
 from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
 from ..form.text import aspect_text, parse_aspect, short_aspect
 from ..i18n import number_text, tr, translate
@@ -145,6 +146,7 @@ class CameraEntries(Entries):
             fov_deg=choice.fov_deg,
             aspect=aspect_text(choice.aspect_ratio),
             image_px=choice.image_px or FormState().image_px,
+            **dict(choice.lens),
         )
         return update_height(convert_camera(plain, state.fov_mode, choice.sensor_mm))
 
@@ -248,7 +250,8 @@ def save_camera(name: str, state: FormState) -> None:
     if state.fov_mode == SENSOR:
         size_mm = [state.sensor_width_mm, state.sensor_height_mm]
         facts = {"sensor_mm": size_mm, "focal_length_mm": state.focal_length_mm}
-    add_camera(name.strip(), {**facts, "aspect_ratio": ratio, "image_px": state.image_px})
+    lens = {one: value for one, value in lens_values(state).items() if value != getattr(Lens, one)}
+    add_camera(name.strip(), {**facts, "aspect_ratio": ratio, "image_px": state.image_px, **lens})
 
 
 def _chooser_tip() -> str:
@@ -269,6 +272,7 @@ def _is(choice: CameraChoice, state: FormState) -> bool:
         round(choice.fov_deg, _SAME_DECIMALS) == round(state.fov_deg, _SAME_DECIMALS)
         and ratio == choice.aspect_ratio
         and choice.image_px in (None, state.image_px)
+        and dict(choice.lens) == lens_values(state)
     )
 
 
@@ -301,4 +305,5 @@ def _choice(preset: CameraPreset) -> CameraChoice:
         preset.image_px,
         "\n".join(lines),
         preset.user,
+        tuple((one, getattr(camera, one)) for one in LENS_FIELDS),
     )

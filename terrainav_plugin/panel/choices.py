@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from qgis.core import QgsProject
 
@@ -75,6 +75,8 @@ class CameraChoice(NamedTuple):
         Description of the camera, with the source of its data.
     user : bool
         Whether the user has saved the camera.
+    lens : tuple of (str, float or str)
+        Fields of its lens.
     """
 
     name: str
@@ -84,6 +86,7 @@ class CameraChoice(NamedTuple):
     image_px: int | None = None
     tip: str = ""
     user: bool = False
+    lens: tuple[tuple[str, Any], ...] = ()
 
 
 def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:

@@ -12,6 +12,7 @@ from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QLabel, QMenu, QWidget
 
 from ...core.fields import declared_fields
+from ...core.geodesy.lens import LENS_FIELDS
 from ...core.mission.parts import FLAT_PARTS, LONGEST_SIDE, REALISM_PARTS, SHORTEST
 from ..form.camera import shown_gsd
 from ..form.fields import field_label, field_tip
@@ -350,6 +351,8 @@ class RealismSection(Section):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("realism", tr("Camera realism"), marks)
+        for name in LENS_FIELDS:
+            self.add_declared(name)
         for part in REALISM_PARTS:
             for field in declared_fields(FLAT_PARTS[part]):
                 if field.name not in WITHOUT_ENTRY:
