@@ -413,7 +413,7 @@ def _add_cameras(listing: argparse.ArgumentParser) -> None:
         ("image-px", "image_px", int, {"metavar": "N"}, "pixels along the longer side, with --aspect-ratio"),
         ("focal-px", "focal_px", float, {"metavar": "PX"}, "focal length in pixels, with --size-px"),
         ("principal-px", "principal_px", float, point, "principal point in pixels, with --size-px"),
-        ("lens", "lens", str, {"choices": tuple(LENSES)}, "kind of the lens"),
+        ("lens", "lens", str, {"choices": LENSES}, "kind of the lens"),
         *(
             (name, name.replace("-", "_"), float, {"metavar": "X"}, text)
             for name, text in (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from ..errors import InvalidInput
 from ..fields import CheckedFields, declared, field_named
@@ -22,12 +22,7 @@ _DISTORTION = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "principal_x", "p
 #: Fields of a lens besides the field of view and the shape of its image.
 LENS_FIELDS = ("lens", *_DISTORTION, "red_scale", "blue_scale")
 #: Kinds of lenses.
-PERSPECTIVE, FISHEYE = "perspective", "fisheye"
-LENSES = {PERSPECTIVE: "perspective", FISHEYE: "fisheye"}
-
-
-def _coefficient(title: str, help: str) -> Any:  # noqa: A002  as argparse calls it
-    return declared(0.0, title=title, help=help, unit="coefficient", advanced=True)
+LENSES = PERSPECTIVE, FISHEYE = ("perspective", "fisheye")
 
 
 @dataclass(frozen=True)
@@ -66,17 +61,55 @@ class Lens(CheckedFields):
         PERSPECTIVE,
         title="lens",
         help="a perspective lens, or a fisheye, whose image is about as far from its centre as a ray is off the axis",
-        choices=LENSES,
+        choices={PERSPECTIVE: "perspective", FISHEYE: "fisheye"},
         advanced=True,
     )
-    k1: float = _coefficient("distortion k1", "first radial coefficient of the lens's distortion, as OpenCV defines it")
-    k2: float = _coefficient("distortion k2", "second radial coefficient")
-    k3: float = _coefficient("distortion k3", "third radial coefficient")
-    k4: float = _coefficient("distortion k4", "fourth radial coefficient; of a perspective lens, in the denominator")
-    k5: float = _coefficient("distortion k5", "fifth radial coefficient of a perspective lens, in the denominator")
-    k6: float = _coefficient("distortion k6", "sixth radial coefficient of a perspective lens, in the denominator")
-    p1: float = _coefficient("distortion p1", "first tangential coefficient of a perspective lens")
-    p2: float = _coefficient("distortion p2", "second tangential coefficient of a perspective lens")
+    k1: float = declared(
+        0.0,
+        title="distortion k1",
+        help="first radial coefficient of the lens's distortion, as OpenCV defines it",
+        unit="coefficient",
+        advanced=True,
+    )
+    k2: float = declared(
+        0.0, title="distortion k2", help="second radial coefficient", unit="coefficient", advanced=True
+    )
+    k3: float = declared(0.0, title="distortion k3", help="third radial coefficient", unit="coefficient", advanced=True)
+    k4: float = declared(
+        0.0,
+        title="distortion k4",
+        help="fourth radial coefficient; of a perspective lens, in the denominator",
+        unit="coefficient",
+        advanced=True,
+    )
+    k5: float = declared(
+        0.0,
+        title="distortion k5",
+        help="fifth radial coefficient of a perspective lens, in the denominator",
+        unit="coefficient",
+        advanced=True,
+    )
+    k6: float = declared(
+        0.0,
+        title="distortion k6",
+        help="sixth radial coefficient of a perspective lens, in the denominator",
+        unit="coefficient",
+        advanced=True,
+    )
+    p1: float = declared(
+        0.0,
+        title="distortion p1",
+        help="first tangential coefficient of a perspective lens",
+        unit="coefficient",
+        advanced=True,
+    )
+    p2: float = declared(
+        0.0,
+        title="distortion p2",
+        help="second tangential coefficient of a perspective lens",
+        unit="coefficient",
+        advanced=True,
+    )
     principal_x: float = declared(
         0.0,
         title="principal point, right",

@@ -8382,7 +8382,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/benchmark/planning.py"/>
         <source>lens that distorts: benchmarks state only focal lengths, and need a lens without distortion</source>
-        <translation type="unfinished"></translation>
+        <translation>objetivo que distorsiona: los bancos de pruebas solo indican distancias focales y necesitan un objetivo sin distorsión</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
@@ -9914,7 +9914,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/exports/formats.py"/>
         <source>lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has</source>
-        <translation type="unfinished"></translation>
+        <translation>objetivo con k4 {0:g}, k5 {1:g} y k6 {2:g}: nerfstudio no tiene ese objetivo, y COLMAP sí</translation>
     </message>
     <message>
         <location filename="../../core/exports/huggingface.py"/>
@@ -10343,27 +10343,27 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/geodesy/camera.py"/>
         <source>{0} {1:g}: a fisheye has k1 to k4 only</source>
-        <translation type="unfinished"></translation>
+        <translation>{0} {1:g}: un ojo de pez solo tiene k1 a k4</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/distortion.py"/>
         <source>choose a smaller field of view</source>
-        <translation type="unfinished"></translation>
+        <translation>elija un campo de visión menor</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/distortion.py"/>
         <source>choose a smaller field of view, or coefficients that hold in the whole image</source>
-        <translation type="unfinished"></translation>
+        <translation>elija un campo de visión menor, o coeficientes que valgan en toda la imagen</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/distortion.py"/>
         <source>fisheye: its image reaches {0:.3g} focal lengths from the principal point, where a ray is more than {1:.1f} deg off the axis ({2:.3g} focal lengths)</source>
-        <translation type="unfinished"></translation>
+        <translation>ojo de pez: su imagen llega a {0:.3g} distancias focales del punto principal, donde un rayo se aparta más de {1:.1f} grados del eje ({2:.3g} distancias focales)</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/distortion.py"/>
         <source>lens distortion: folds the image at {0:.3g} focal lengths from the principal point, and its farthest corner is at {1:.3g}</source>
-        <translation type="unfinished"></translation>
+        <translation>distorsión del objetivo: pliega la imagen a {0:.3g} distancias focales del punto principal, y su esquina más lejana está a {1:.3g}</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ellipsoid.py"/>
@@ -10393,7 +10393,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>a perspective lens, or a fisheye, whose image is about as far from its centre as a ray is off the axis</source>
-        <translation type="unfinished"></translation>
+        <translation>un objetivo en perspectiva, o un ojo de pez, cuya imagen se aleja del centro más o menos tanto como el rayo se aparta del eje</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -10404,6 +10404,46 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/geodesy/lens.py"/>
         <source>choose a less extreme field of view or aspect ratio</source>
         <translation>elija un campo de visión o una relación de aspecto menos extremos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>distortion k1</source>
+        <translation>distorsión k1</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>distortion k2</source>
+        <translation>distorsión k2</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>distortion k3</source>
+        <translation>distorsión k3</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>distortion k4</source>
+        <translation>distorsión k4</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>distortion k5</source>
+        <translation>distorsión k5</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>distortion k6</source>
+        <translation>distorsión k6</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>distortion p1</source>
+        <translation>distorsión p1</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>distortion p2</source>
+        <translation>distorsión p2</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -10422,8 +10462,33 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
+        <source>fifth radial coefficient of a perspective lens, in the denominator</source>
+        <translation>quinto coeficiente radial de un objetivo en perspectiva, en el denominador</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>first radial coefficient of the lens's distortion, as OpenCV defines it</source>
+        <translation>primer coeficiente radial de la distorsión del objetivo, como lo define OpenCV</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>first tangential coefficient of a perspective lens</source>
+        <translation>primer coeficiente tangencial de un objetivo en perspectiva</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>fisheye</source>
+        <translation>ojo de pez</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
         <source>focal length {0} mm: must be above 0</source>
         <translation>distancia focal de {0} mm: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>fourth radial coefficient; of a perspective lens, in the denominator</source>
+        <translation>cuarto coeficiente radial; de un objetivo en perspectiva, en el denominador</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -10433,47 +10498,62 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>how far the optical axis meets the image below its centre, as a share of its height</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto más abajo del centro de la imagen está el eje óptico, como parte de su altura</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>how far the optical axis meets the image right of its centre, as a share of its width</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto más a la derecha del centro de la imagen está el eje óptico, como parte de su anchura</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>lens</source>
-        <translation type="unfinished"></translation>
+        <translation>objetivo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>magnification of blue relative to green, minus 1</source>
-        <translation type="unfinished"></translation>
+        <translation>aumento del azul respecto al verde, menos 1</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>magnification of red relative to green, minus 1: 0.001 moves a corner at 400 px outward by 0.4 px</source>
-        <translation type="unfinished"></translation>
+        <translation>aumento del rojo respecto al verde, menos 1: 0.001 desplaza 0.4 px hacia fuera una esquina a 400 px</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>perspective</source>
+        <translation>perspectiva</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>principal point, down</source>
-        <translation type="unfinished"></translation>
+        <translation>punto principal, hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>principal point, right</source>
-        <translation type="unfinished"></translation>
+        <translation>punto principal, a la derecha</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>scale of blue</source>
-        <translation type="unfinished"></translation>
+        <translation>escala del azul</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>scale of red</source>
-        <translation type="unfinished"></translation>
+        <translation>escala del rojo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>second radial coefficient</source>
+        <translation>segundo coeficiente radial</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>second tangential coefficient of a perspective lens</source>
+        <translation>segundo coeficiente tangencial de un objetivo en perspectiva</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -10484,6 +10564,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/geodesy/lens.py"/>
         <source>sensor {0} by {1} mm: both sides must be above 0</source>
         <translation>sensor de {0} por {1} mm: ambos lados deben ser mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>sixth radial coefficient of a perspective lens, in the denominator</source>
+        <translation>sexto coeficiente radial de un objetivo en perspectiva, en el denominador</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>third radial coefficient</source>
+        <translation>tercer coeficiente radial</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -12641,7 +12731,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/cameras.py"/>
         <source>{0} {1!r}: needs size_px beside it</source>
-        <translation type="unfinished"></translation>
+        <translation>{0} {1!r}: necesita también size_px</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -14229,7 +14319,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/methods.py"/>
         <source>the lens distorts images, which windows of a map do not</source>
-        <translation type="unfinished"></translation>
+        <translation>el objetivo distorsiona las imágenes, y los recortes de un mapa no</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -16396,7 +16486,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/picture/effects.py"/>
         <source>lens with a scale of red or blue: needs red, green and blue of 8 bits, and the source gives {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>objetivo con escala del rojo o del azul: necesita rojo, verde y azul de 8 bits, y la fuente da {0}</translation>
     </message>
     <message>
         <location filename="../../core/picture/heights.py"/>
