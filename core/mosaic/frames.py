@@ -257,10 +257,13 @@ class CameraImages:
         pose = self.poses.take(np.array([index]))
         rays = self._limit_flatness(self.camera.rays_enu(points, *pose.attitude), pose)[0]
         right, up, depth = np.moveaxis(rays @ np.stack(image_axes(*pose.attitude), axis=-1)[0], -1, 0)
-        tan_x, tan_y = self.camera.half_tangents
         # Rays made steeper may leave the image. Rays along its edge are inside but for rounding.
         tolerance = 1.0 + 1e-9
-        rays = rays[(np.abs(right) <= tolerance * tan_x * depth) & (np.abs(up) <= tolerance * tan_y * depth)]
+        if self.camera.distorts:
+            rays = rays[(np.abs(np.stack(self._seen(right, up, depth))) <= tolerance).all(axis=0) & (depth > 0.0)]
+        else:
+            tan_x, tan_y = self.camera.half_tangents
+            rays = rays[(np.abs(right) <= tolerance * tan_x * depth) & (np.abs(up) <= tolerance * tan_y * depth)]
         lat, lon, agl = (np.broadcast_to(at, len(rays)) for at in pose[:3])
         if self.relief is None:
             seen = trace(lat, agl, rays, self.ground)
@@ -353,13 +356,22 @@ class CameraImages:
         """Position of a block's ground in one image."""
         towards = ground.points - self.centres[index]
         right, up, depth = np.moveaxis(towards @ self.axes[index].T, -1, 0)
-        tan_x, tan_y = self.camera.half_tangents
         with np.errstate(invalid="ignore", divide="ignore"):
-            x, y = (1.0 + right / depth / tan_x) / 2.0, (1.0 - up / depth / tan_y) / 2.0
+            image_x, image_y = self._seen(right, up, depth)
+            x, y = (1.0 + image_x) / 2.0, (1.0 - image_y) / 2.0
             steepness = -np.einsum("...i,...i", towards, ground.normals) / np.linalg.norm(towards, axis=-1)
             inside = (depth > 0.0) & (x >= 0.0) & (x <= 1.0) & (y >= 0.0) & (y <= 1.0)
             inside &= steepness > math.cos(math.radians(self.flattest_deg))
         return Sight(x, y, inside, steepness)
+
+    def _seen(self, right: Floats, up: Floats, depth: Floats) -> tuple[Floats, Floats]:
+        """Image points of vectors by their parts; meaningless where ``depth`` is not positive."""
+        tan_x, tan_y = self.camera.half_tangents
+        if not self.camera.distorts:
+            return right / depth / tan_x, up / depth / tan_y
+        ahead = np.where(depth > 0.0, depth, 1.0)
+        at = self.camera.seen_xy(np.stack([right / ahead / tan_x, up / ahead / tan_y], axis=-1))
+        return at[..., 0], at[..., 1]
 
     def visible(self, index: int, ground: BlockGround, which: Flags) -> Flags:
         """Pixels (h, w) among ``which`` whose ground is not hidden from an image by relief."""

@@ -327,6 +327,11 @@ def _image(
     right, down = cos_roll * right + sin_roll * down, cos_roll * down - sin_roll * right
     in_front = np.asarray(down > 0)
     depth = np.where(in_front, down, 1)
+    if camera.distorts:
+        half_x, half_y = camera.half_tangents
+        ideal = np.stack([right / depth / half_x, forward / depth / half_y], axis=-1)
+        seen = camera.seen_xy(ideal.astype(np.float64)).astype(np.longdouble)
+        return seen[..., 0], seen[..., 1], in_front
     fov = np.asarray(camera.fov_deg, np.longdouble)
     # Above 90 degrees, use the complement, which keeps digits near 180.
     half = np.tan(_radians(fov) / 2) if camera.fov_deg <= 90.0 else 1 / np.tan(_radians(180 - fov) / 2)

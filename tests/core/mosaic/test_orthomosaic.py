@@ -15,7 +15,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.cli.exits import BAD_INPUT
 from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.exports.views import Views
-from terrainav.core.geodesy.camera import image_axes
+from terrainav.core.geodesy.camera import Camera, image_axes
 from terrainav.core.geodesy.local import LocalFrame
 from terrainav.core.geodesy.projections import geodesics
 from terrainav.core.imagery.opening import open_source
@@ -88,15 +88,19 @@ def shift_px(one, other):
 
 @pytest.mark.parametrize(
     "changes",
-    sampled(
-        [
-            {"yaw_deg": 33.0},
-            {"yaw_deg": 20.0, "tilt_deg": 30.0},
-            {"yaw_deg": 20.0, "tilt_deg": 10.0, "elevation": ("hills",), "vertical_datum": "ellipsoid"},
-        ],
-        2,
-    ),
-    ids=["turned", "tilted", "relief"],
+    [
+        *sampled(
+            [
+                {"yaw_deg": 33.0},
+                {"yaw_deg": 20.0, "tilt_deg": 30.0},
+                {"yaw_deg": 20.0, "tilt_deg": 10.0, "elevation": ("hills",), "vertical_datum": "ellipsoid"},
+            ],
+            2,
+        ),
+        {"camera": Camera(78.8, k1=-0.25, k2=0.08, p1=2e-3, principal_x=0.03), "yaw_deg": 20.0, "tilt_deg": 10.0},
+        {"camera": Camera(80.0, lens="fisheye", k1=0.02), "tilt_deg": 5.0},
+    ],
+    ids=["turned", "tilted", "relief", "barrel", "fisheye"],
 )
 def test_each_pixel_has_the_colour_of_the_source_there(tmp_path, changes):
     if "elevation" in changes:

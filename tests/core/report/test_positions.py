@@ -7,7 +7,12 @@ import pytest
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.report.positions import errors_px, floor_px
+from terrainav.core.geodesy.footprint import exact
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.areas.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.report.positions import errors_px, floor_px, footprint_errors_px, mesh_errors
 
 from tests.core.geodesy.reference import see
 
@@ -67,3 +72,18 @@ def test_the_floor_is_far_below_what_is_measured():
     for place in PLACES:
         limit = 1e-6 if np.finfo(np.longdouble).nmant >= 63 else 1e-4
         assert 0.0 < floor_px(scene(place)) < limit
+
+
+@pytest.mark.parametrize(
+    "camera", [Camera(k1=-0.25, k2=0.08, p1=2e-3), Camera(120.0, lens="fisheye", k1=0.01)], ids=["barrel", "fisheye"]
+)
+def test_meshes_and_corners_of_distorted_images_are_within_their_bounds(camera):
+    source = open_source("world")
+    mission = Mission(Box(35.13, -89.86, 35.126, -89.856), 120.0, camera, tilt_deg=20.0)
+    planned = plan(mission, source.grid)
+    for tolerance_px in (0.1, 0.0):
+        found = mesh_errors(planned, tolerance_px)
+        assert len(found.errors_px) > 100
+        assert found.errors_px.max() <= max(found.reached_px, 1e-6)
+        assert found.reached_px <= tolerance_px
+    assert footprint_errors_px(planned, exact).max() < 1e-6
