@@ -6,7 +6,6 @@ import hashlib
 import math
 from dataclasses import dataclass
 from functools import cache
-from statistics import NormalDist
 
 import numpy as np
 
@@ -115,6 +114,9 @@ class Deviates:
 @cache
 def _quantiles() -> Singles:
     """Standard normal quantiles of the middles of 65,536 equal shares, scaled to a variance of 1."""
+    # It takes longer to import than all else here.
+    from statistics import NormalDist
+
     half = np.array([NormalDist().inv_cdf((at + 0.5) / 65536.0) for at in range(32768)])
     both = np.concatenate([half, -half[::-1]])
     found: Singles = (both / both.std()).astype(np.float32)
@@ -169,25 +171,43 @@ def read_out(detector: Detector, exposure_lx_s: Singles, time_s: float, seed: in
     image : str
         Name of the image, on which its temporal noise depends.
     """
-    exposure = exposure_lx_s.reshape(-1)
+    height, width, *colours = exposure_lx_s.shape
+    of_pixel = colours[0] if colours else 1
+    exposure = exposure_lx_s.reshape(height, width * of_pixel)
     raw = np.empty(exposure.shape, np.uint16)
     # Each source of noise has its own numbers, so that they stay the same if another one is switched off.
     shot, read = Deviates(seed, image, "shot"), Deviates(seed, image, "read")
-    response, offset = Deviates(seed, "prnu"), Deviates(seed, "dsnu")
-    for start in range(0, len(raw), _BLOCK):
-        part = slice(start, start + _BLOCK)
+    response, offset = (_Pattern(Deviates(seed, name), width, of_pixel) for name in ("prnu", "dsnu"))
+    rows = max(_BLOCK // max(width * of_pixel, 1), 1)
+    for start in range(0, height, rows):
+        part = slice(start, start + rows)
         electrons = exposure[part] * np.float32(detector.electrons_per_lx_s)
-        count = len(electrons)
+        shape, count = electrons.shape, electrons.size
         if detector.prnu:
-            electrons *= np.float32(1.0) + np.float32(detector.prnu) * response.normal(count)
+            electrons *= np.float32(1.0) + np.float32(detector.prnu) * response.next_rows(shape[0])
         electrons += np.float32(detector.dark_current_e_per_s * time_s)
-        electrons = poisson_counts(np.maximum(electrons, np.float32(0.0)), shot.draw(count))
+        np.maximum(electrons, np.float32(0.0), out=electrons)
+        electrons = poisson_counts(electrons.reshape(-1), shot.draw(count)).reshape(shape)
         np.minimum(electrons, np.float32(detector.full_well_e), out=electrons)
         if detector.read_noise_e:
-            electrons += np.float32(detector.read_noise_e) * read.normal(count)
+            electrons += np.float32(detector.read_noise_e) * read.normal(count).reshape(shape)
         if detector.dsnu_e:
-            electrons += np.float32(detector.dsnu_e) * offset.normal(count)
+            electrons += np.float32(detector.dsnu_e) * offset.next_rows(shape[0])
         electrons *= np.float32(detector.gain_dn_per_e)
         electrons += np.float32(detector.black_level_dn)
         raw[part] = np.clip(np.rint(electrons), 0, detector.most_dn)
     return raw.reshape(exposure_lx_s.shape)
+
+
+class _Pattern:
+    """Deviates of pixels by their rows and columns, which are the same in images of a few columns more or less."""
+
+    def __init__(self, deviates: Deviates, width: int, of_pixel: int) -> None:
+        self._deviates, self._count = deviates, width * of_pixel
+        # Rows of the next multiple of 128 with some columns to spare, as usual widths are multiples themselves.
+        self._length = 128 * (-(-(width + 41) // 128)) * of_pixel
+
+    def next_rows(self, rows: int) -> Singles:
+        """The next rows (rows, values)."""
+        found: Singles = self._deviates.normal(rows * self._length).reshape(rows, self._length)[:, : self._count]
+        return found
