@@ -10,6 +10,7 @@ from typing import Any
 from ...camera.varying import Variation
 from ...errors import InvalidInput, Message
 from ...fields import CheckedFields, Field, declared, declared_fields, field_named
+from ...geodesy.lens import Lens
 from .air import Air
 from .exposure import ExposureControl
 from .flown import Attitude, Flight, Route
@@ -59,6 +60,13 @@ def _check_vary(texts: tuple[Any, ...]) -> None:
             raise InvalidInput("vary {0!r}: must be text", text, field="vary")
         variation = Variation.from_text(text)
         field = variable_fields().get(variation.field)
+        if any(one.name == variation.field for one in declared_fields(Lens)):
+            raise InvalidInput(
+                "vary {0!r}: a mission has one lens",
+                text,
+                field="vary",
+                remedy="plan a mission for each lens",
+            )
         if field is None:
             raise InvalidInput(
                 "vary {0!r}: {1} is none of the numbers that may vary, which are {2}",

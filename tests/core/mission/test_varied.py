@@ -229,7 +229,7 @@ def test_whole_numbers_are_drawn_whole():
         (("agl_m",), "must be as exposure_ms=lognormal(4,0.5)"),
         ((4.0,), "must be text"),
         (("agl_m=choice(100,1e10)",), "at most"),
-        (("fov_deg=uniform(60,80)",), "fov_deg is none of the numbers that may vary"),
+        (("fov_deg=uniform(60,80)",), "a mission has one lens; plan a mission for each lens"),
         (("exposure_ms=normal(4,1)",), "has no bounds, and exposure time must be above 0"),
         (("exposure_ms=lognormal(9000,0.5)",), "must be at most 10000"),
         (("row_time_us=lognormal(10,1)",), "has no bounds, and row time must be from 0 to 10000"),

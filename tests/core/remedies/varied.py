@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import estimate
@@ -22,6 +23,16 @@ def vary(text: str) -> Mission:
 def _without_bounds(case: Case) -> None:
     case.refused(lambda: vary("agl_m=normal(100,20)"))
     case.follow("add bounds, such as within(1,2)", lambda: vary("agl_m=normal(100,20)within(60,140)"))
+
+
+@remedy("mission/parts/varied.py", "vary {}: a mission has one lens; plan a mission for each lens")
+def _lens(case: Case) -> None:
+    case.refused(lambda: vary("fov_deg=choice(60,80)"))
+    lenses = [Camera(fov_deg) for fov_deg in (60.0, 80.0)]
+    case.follow(
+        "plan a mission for each lens",
+        lambda: [vary("agl_m=uniform(90,110)").replace(camera=lens) for lens in lenses],
+    )
 
 
 @remedy(
