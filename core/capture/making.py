@@ -57,7 +57,8 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
             field="image_format",
         )
     check_size(output.img_size, bands)
-    check_bands(plan.settings(0), bands)
+    for mission in plan.mission.with_extremes:
+        check_bands(mission, bands)
     _check_sun(plan.mission, source)
     if _largest_px(plan) * bands.bytes_per_px > MAX_PICTURE_BYTES:
         raise InvalidInput(

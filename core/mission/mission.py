@@ -203,6 +203,14 @@ class Mission:
         return self.route.trigger
 
     @property
+    def with_extremes(self) -> tuple[Mission, ...]:
+        """The mission with the least, and with the greatest, values of the fields that vary; itself if none does."""
+        if not self.varied.of_camera:
+            return (self,)
+        ends = [(one.field, value) for one, value in self.varied.extremes()]
+        return tuple(self.replace(vary=(), **dict(ends[at::2])) for at in (0, 1))
+
+    @property
     def moves_poses(self) -> bool:
         """Whether wind or chance moves poses from where they are planned."""
         return self.wind is not None or bool(self.varied.of_poses)

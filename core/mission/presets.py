@@ -11,8 +11,9 @@ from types import MappingProxyType
 from typing import Any
 
 from ..errors import InvalidInput, Message
+from ..fields import declared_fields
 from ..map_types import ROADMAP, SATELLITE
-from .parts import AUTO, NORTH, TRACK
+from .parts import AUTO, BY_ISO, FLAT_PARTS, NORTH, REALISM_PARTS, TRACK, Sunlight, Varied
 
 #: Front and side overlap at which structure from motion finds every point in several images and rows.
 _MAPPING_OVERLAPS = (0.75, 0.65)
@@ -101,6 +102,51 @@ PRESETS: tuple[Preset, ...] = (
     ),
 )
 PRESET_NAMES = tuple(preset.name for preset in PRESETS)
+#: Kinds of cameras, as values of the parts of a real camera's effects. Sensors are ones with a public data sheet, at
+#: the lowest speed that they have; other values are usual ones, of no one model.
+CAMERA_KINDS: tuple[Preset, ...] = (
+    _preset("ideal", Message("Ideal"), Message("No effects: a pinhole camera without noise")),
+    _preset(
+        "machine-vision",
+        Message("Machine-vision camera"),
+        Message("Global shutter open for 0.5 ms, automatic ISO, sensor with the noise of its EMVA 1288 data sheet"),
+        image_sensor="Allied Vision Alvium 1800 C-507m",
+        vignetting="cos4",
+        exposure=BY_ISO,
+        exposure_ms=0.5,
+        f_number=5.6,
+        iso=240.0,
+        motion_blur=True,
+    ),
+    _preset(
+        "consumer-drone",
+        Message("Consumer drone"),
+        Message(
+            "Rolling shutter, small pixels below colour filters, automatic ISO, soft tone curve, and a visibility of "
+            "20 km"
+        ),
+        image_sensor="FRAMOS IMX900 low gain",
+        bayer="rggb",
+        vignetting="cos4",
+        exposure=BY_ISO,
+        exposure_ms=0.2,
+        f_number=2.8,
+        iso=160.0,
+        motion_blur=True,
+        # 30 ms from the top of an image of 480 rows to its bottom.
+        row_time_us=62.5,
+        tone="filmic",
+        visibility_km=20.0,
+    ),
+)
+
+
+def camera_kind_values(preset: Preset) -> dict[str, Any]:
+    """Values of a kind of camera by field; fields of effects that it does not have take their defaults."""
+    # The sun is not the camera's, and neither is what varies.
+    parts = (part for part in map(FLAT_PARTS.__getitem__, REALISM_PARTS) if part not in (Sunlight, Varied))
+    usual = {one.name: one.default for part in parts for one in declared_fields(part)}
+    return {**usual, **preset.values}
 
 
 def preset_named(name: str) -> Preset:

@@ -1334,6 +1334,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Ideal test shot {lat} {lon}</source>
+        <translation>Toma de prueba ideal {lat} {lon}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, “Treat as missing” removes the images with it and requests its places again; the options list such tiles.</source>
         <translation>Su SHA-256 empieza por {digest}; {image} la muestra. Puede ser agua o nieve. Si no muestra imágenes, «Tratar como ausente» elimina las imágenes que la contienen y vuelve a pedir sus lugares; las opciones enumeran lo que se trata así.</translation>
     </message>
@@ -4982,6 +4987,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Fills in the effects of a kind of camera; a test shot shows them beside the ideal image</source>
+        <translation>Rellena los efectos de un tipo de cámara; una toma de prueba los muestra junto a la imagen ideal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Flight path</source>
         <translation>Trayectoria de vuelo</translation>
     </message>
@@ -5024,6 +5034,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Height of the resized images in pixels (px)</source>
         <translation>Altura de las imágenes redimensionadas en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Kind of camera</source>
+        <translation>Tipo de cámara</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -16098,8 +16113,18 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
+        <source>plan a mission for each lens</source>
+        <translation>planifique una misión para cada objetivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
         <source>random values</source>
         <translation>valores aleatorios</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>vary {0!r}: a mission has one lens</source>
+        <translation>vary {0!r}: una misión tiene un solo objetivo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16208,6 +16233,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/presets.py"/>
+        <source>Consumer drone</source>
+        <translation>Dron de consumo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
         <source>For machine learning</source>
         <translation>Para aprendizaje automático</translation>
     </message>
@@ -16223,6 +16253,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/presets.py"/>
+        <source>Global shutter open for 0.5 ms, automatic ISO, sensor with the noise of its EMVA 1288 data sheet</source>
+        <translation>Obturador global abierto durante 0,5 ms, ISO automático, sensor con el ruido de su hoja de datos EMVA 1288</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>Ideal</source>
+        <translation>Ideal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>Machine-vision camera</source>
+        <translation>Cámara de visión artificial</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>No effects: a pinhole camera without noise</source>
+        <translation>Sin efectos: una cámara estenopeica sin ruido</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
         <source>No overlap, square images of {0} × {0} px, lossless PNG; satellite and roadmap where the source has both</source>
         <translation>Sin solape, imágenes cuadradas de {0} × {0} px, PNG sin pérdida; satélite y callejero si la fuente tiene ambos</translation>
     </message>
@@ -16235,6 +16285,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/presets.py"/>
         <source>Overlap {0:g}/{1:g} %, camera along the track, JPEG with the pose in EXIF and XMP, which drone photogrammetry software reads</source>
         <translation>Solape {0:g}/{1:g} %, cámara en el sentido del vuelo, JPEG con la pose en EXIF y XMP, que leen los programas de fotogrametría con drones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>Rolling shutter, small pixels below colour filters, automatic ISO, soft tone curve, and a visibility of 20 km</source>
+        <translation>Obturador rodante, píxeles pequeños bajo filtros de color, ISO automático, curva tonal suave y visibilidad de 20 km</translation>
     </message>
     <message>
         <location filename="../../core/mission/presets.py"/>

@@ -143,6 +143,10 @@ class Endings(QObject):
     def _load_test_shot(self, run: BackgroundRun) -> None:
         lat, lon, _ = run.mission.area.poses[0]
         lat_text, lon_text = (number_text(degrees, ".5f") for degrees in (lat, lon))
+        if run.task.clean_picture is not None:
+            # Below the other, to be compared with it.
+            title = tr("Ideal test shot {lat} {lon}").format(lat=lat_text, lon=lon_text)
+            load_test_shot(self._group(), run.task.clean_picture, title)
         title = tr("Test shot {lat} {lon}").format(lat=lat_text, lon=lon_text)
         self.test_shot_shown.emit(load_test_shot(self._group(), run.task.picture, title))
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from qgis.PyQt.QtCore import pyqtSignal
 
 from ...core.capture.progress import OverallProgress
-from ...core.dataset.folder import FOOTPRINTS_FILE
+from ...core.dataset.folder import FOOTPRINTS_FILE, clean_type
 from ...core.errors import InvalidInput, OutputError, SourceError
 from ...core.storage.files import file_exists
 from ..i18n import tr, translate
@@ -74,6 +74,8 @@ class CaptureTask(Task):
         Number of images of the dataset that have failed.
     picture : Path or None
         File that shows a test shot on the map.
+    clean_picture : Path or None
+        File that shows it without effects of a real camera, if it has any.
     """
 
     progressed = pyqtSignal(object)
@@ -98,6 +100,7 @@ class CaptureTask(Task):
         self.opened: list[OpenedResults] = []
         self.failed = 0
         self.picture: Path | None = None
+        self.clean_picture: Path | None = None
         self._keys = keys
         self._test_shot, self._only_failed = test_shot, only_failed
         missions = {name: plan.mission for name, plan in plans.by_imagery.items()}
@@ -237,17 +240,23 @@ class CaptureTask(Task):
             self.opened.append(open_results(place, plan.mission, mosaics))
 
     def _place_picture(self) -> None:
-        plan = self.plans.first
-        mission = plan.mission
-        folder = self.folder / mission.imagery.map_types[0]
-        picture = folder / f"{plan.names[0]}.{mission.output.image_format}"
-        if not plan.frames.on_map:
-            from ..dataset.rectify import lay_on_map
+        mission = self.plans.first.mission
+        map_type = mission.imagery.map_types[0]
+        self.picture = self._on_map(map_type)
+        if mission.varied.keep_clean:
+            self.clean_picture = self._on_map(clean_type(map_type))
 
-            on_map = folder / "on-map.tif"
-            lay_on_map(plan, picture, on_map)
-            picture = on_map
-        self.picture = picture
+    def _on_map(self, map_type: str) -> Path:
+        """File that shows a test shot of a map type on the map."""
+        plan, folder = self.plans.first, self.folder / map_type
+        picture = folder / f"{plan.names[0]}.{plan.mission.output.image_format}"
+        if plan.frames.on_map:
+            return picture
+        from ..dataset.rectify import lay_on_map
+
+        on_map = folder / "on-map.tif"
+        lay_on_map(plan, picture, on_map)
+        return on_map
 
     def _report(self, progress: Progress) -> None:
         if self._overall is not None:

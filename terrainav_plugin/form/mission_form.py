@@ -9,9 +9,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ...core.fields import declared_fields, field_named
+from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import LENS_FIELDS
-from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Output, Route
+from ...core.mission.parts import FLAT_PARTS, REALISM_PARTS, Flight, Imagery, Output, Route, Sunlight
 from ..i18n import number_text, plain_number, tr, translate
 from .area import FormError, edge_deg, entered_shape, no_fly_text, parse_no_fly, replace_box, shape_text
 from .camera import camera_as_typed, convert_camera, in_length_unit, lens_values
@@ -103,12 +103,28 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
     from ...core.mission.areas.area import Points
 
     checks = _Checks()
-    # Nothing is flown: it needs no take-off and no battery.
+    # Nothing is flown: it needs no take-off and no battery, but images are exposed.
     route = {one.name: one.default for one in declared_fields(Route) if one.name in ENTERED_AS_DECLARED}
+    del route["exposure_ms"]
+    # The ideal image is shown beside one with effects.
+    has_effects = any(getattr(state, one.name) != one.default for one in _effect_fields())
     single = replace(
-        state, map_types=state.map_types[:1], imageries=(), imagery_name="", **route, takeoff="", no_fly=""
+        state,
+        map_types=state.map_types[:1],
+        imageries=(),
+        imagery_name="",
+        takeoff="",
+        no_fly="",
+        keep_clean=has_effects,
+        **route,
     )
     return _mission(single, checks("agl", lambda: Points(((lat_deg, lon_deg, state.agl_m),))), checks)
+
+
+def _effect_fields() -> list[Field]:
+    """Fields of the effects of a real camera, and of values that vary; not those of the sun, which is on the scene."""
+    parts = (FLAT_PARTS[name] for name in REALISM_PARTS if FLAT_PARTS[name] is not Sunlight)
+    return [one for part in parts for one in declared_fields(part) if one.name != "keep_clean"]
 
 
 def box(state: FormState) -> Box | None:

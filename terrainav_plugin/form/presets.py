@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from ...core.mission.mission import flat_fields
-from ...core.mission.presets import PRESETS, Preset
+from ...core.mission.presets import CAMERA_KINDS, PRESETS, Preset, camera_kind_values
 from ..i18n import tr, translate
 from .camera import CAMERA_ENTRIES, settled, update_height
 from .state import ENTERED_AS_DECLARED, FormState
@@ -52,6 +52,16 @@ def preset_changes(before: FormState, now: FormState, preset: Preset, camera: st
 def find_preset(state: FormState, offered: Collection[str] = ()) -> Preset | None:
     """Preset whose values are entered; None if there is none. ``offered`` is as in `apply_preset`."""
     return next((preset for preset in PRESETS if _has(state, _entries(preset, offered))), None)
+
+
+def apply_camera_kind(state: FormState, preset: Preset) -> FormState:
+    """State with the effects of a kind of camera, and no others."""
+    return replace(state, **camera_kind_values(preset))
+
+
+def find_camera_kind(state: FormState) -> Preset | None:
+    """Kind of camera whose effects are entered; None if there is none."""
+    return next((preset for preset in CAMERA_KINDS if apply_camera_kind(state, preset) == state), None)
 
 
 def _has(state: FormState, entries: Mapping[str, Any]) -> bool:

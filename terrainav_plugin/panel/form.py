@@ -18,7 +18,15 @@ from ..area.entries import AreaEntries
 from ..form.camera import GSD_M, settled
 from ..form.headings import headings
 from ..form.mission_form import drop_extras, extras_text
-from ..form.presets import apply_preset, find_preset, preset_changes, with_camera_of, without_preset
+from ..form.presets import (
+    apply_camera_kind,
+    apply_preset,
+    find_camera_kind,
+    find_preset,
+    preset_changes,
+    with_camera_of,
+    without_preset,
+)
 from ..form.state import FormState, keep_unchanged
 from ..i18n import tr
 from ..settings import Settings
@@ -203,6 +211,7 @@ class DockForm(QWidget):
         if preset is None:
             self._before_preset = None
         self.presets.show_preset(preset)
+        self.realism.kinds.show_preset(find_camera_kind(self.state()))
 
     def _show_headings(self) -> None:
         """Show summaries next to the titles of groups."""
@@ -260,6 +269,7 @@ class DockForm(QWidget):
         self.changed.connect(self.area_editing.note)
         self.imagery.changed.connect(self._changed)
         self.presets.chosen.connect(self._take_preset)
+        self.realism.kinds.chosen.connect(lambda kind: self.set_state(apply_camera_kind(self.state(), kind)))
         self.changed.connect(self._show_preset)
         self.changed.connect(self._show_headings)
         for group in self.groups:

@@ -1,6 +1,8 @@
-"""Chooser of a preset at the top of the panel; its tooltips describe the presets."""
+"""Choosers of presets, whose tooltips describe them: of values for a purpose, and of kinds of cameras."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from qgis.PyQt.QtCore import QSignalBlocker, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QStandardItemModel
@@ -30,23 +32,28 @@ class PresetChooser(QWidget):
 
     chosen = pyqtSignal(object)
 
-    def __init__(self) -> None:
+    def __init__(
+        self, name: str = "preset", presets: Sequence[Preset] = PRESETS, tip: str = "", *, labelled: bool = True
+    ) -> None:
         super().__init__()
         self.preset: Preset | None = None
-        items = [(preset.name, translate(preset.title)) for preset in PRESETS]
-        self._tip = tr("Fills in suitable values for a purpose; you can change each of them")
-        self.choice = combo("preset", [*items, (_CUSTOM, tr("Custom"))], self._tip)
-        for number, preset in enumerate(PRESETS):
+        self._presets = presets
+        items = [(preset.name, translate(preset.title)) for preset in presets]
+        self._tip = tip or tr("Fills in suitable values for a purpose; you can change each of them")
+        self.choice = combo(name, [*items, (_CUSTOM, tr("Custom"))], self._tip)
+        for number, preset in enumerate(presets):
             self.choice.setItemData(number, _note(preset), Qt.ItemDataRole.ToolTipRole)
         model = self.choice.model()
         if isinstance(model, QStandardItemModel):
             # The last item, shown for values of no preset, cannot be chosen.
             model.item(self.choice.count() - 1).setFlags(Qt.ItemFlag.NoItemFlags)
-        label = QLabel(tr("Preset"))
-        label.setBuddy(self.choice)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(label)
+        if labelled:
+            label = QLabel(tr("Preset"))
+            label.setBuddy(self.choice)
+            layout.addWidget(label)
+        self.setFocusProxy(self.choice)
         layout.addWidget(self.choice, 1)
         self.choice.activated.connect(self._activated)
         self.show_preset(None)
@@ -60,7 +67,7 @@ class PresetChooser(QWidget):
 
     def _activated(self) -> None:
         name = self.choice.currentData()
-        found = next((preset for preset in PRESETS if preset.name == name), None)
+        found = next((preset for preset in self._presets if preset.name == name), None)
         if found is not None:
             self.chosen.emit(found)
 

@@ -14,6 +14,7 @@ from qgis.PyQt.QtWidgets import QLabel, QMenu, QWidget
 from ...core.fields import declared_fields
 from ...core.geodesy.lens import LENS_FIELDS
 from ...core.mission.parts import FLAT_PARTS, LONGEST_SIDE, REALISM_PARTS, SHORTEST
+from ...core.mission.presets import CAMERA_KINDS
 from ..form.camera import shown_gsd
 from ..form.fields import field_label, field_tip
 from ..form.state import DECLARED, WITHOUT_ENTRY, FormState
@@ -48,6 +49,7 @@ from .entries import (
     declared_widget,
 )
 from .layers import BuildingsLine, LabelsLine, LayersLine
+from .presets import PresetChooser
 from .start import StartEntry
 
 if TYPE_CHECKING:
@@ -347,10 +349,13 @@ class LabelsSection(Section):
 
 
 class RealismSection(Section):
-    """Effects of a real camera, part by part; none by default."""
+    """Effects of a real camera, by kind of camera and part by part; none by default."""
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("realism", tr("Camera realism"), marks)
+        tip = tr("Fills in the effects of a kind of camera; a test shot shows them beside the ideal image")
+        self.kinds = PresetChooser("camera_kind", CAMERA_KINDS, tip, labelled=False)
+        self._form.addRow(tr("Kind of camera"), self.kinds)
         for name in LENS_FIELDS:
             self.add_declared(name)
         for part in REALISM_PARTS:

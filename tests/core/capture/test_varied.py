@@ -156,6 +156,15 @@ def test_sensors_have_the_values_of_their_image(tmp_path):
         assert away_e.std() == pytest.approx(np.sqrt(wanted_e**2 + 500.0), rel=0.1)
 
 
+def test_speeds_that_a_sensor_lacks_are_refused_before_the_first_image(tmp_path):
+    sensor = {"image_sensor": "FRAMOS IMX900 low gain", "exposure": "manual", "exposure_ms": 0.2}
+    with pytest.raises(InvalidInput, match="ISO 120: below that of the image sensor"):
+        capture(planned("iso=choice(400,120)", **sensor), SOURCE.open(), tmp_path / "low")
+    assert not (tmp_path / "low").exists()
+    # The mission's own speed, which is too low, is that of no image.
+    assert capture(planned("iso=choice(200,400)", **sensor), SOURCE.open(), tmp_path / "high").failed == ()
+
+
 def test_clean_images_are_resized_as_well(tmp_path, halved):
     capture(planned(keep_clean=True, img_size=(20, 16, 1)), SOURCE.open(), tmp_path)
     name = table_of(tmp_path).img_names[0]

@@ -5,10 +5,16 @@ from __future__ import annotations
 import json
 
 import pytest
+from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
+from terrainav.core.imagery.opening import named_source
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.cameras import camera_named
+from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import flat_fields
-from terrainav.core.mission.presets import PRESET_NAMES, PRESETS
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.presets import CAMERA_KINDS, PRESET_NAMES, PRESETS, camera_kind_values
 from terrainav.core.mission.settings import build_mission, resolve
 
 BOX = "35.16_-89.90_35.115_-89.823_120"
@@ -96,3 +102,15 @@ def test_a_source_that_is_named_has_the_map_types_that_are_asked_for():
 def test_an_unknown_preset_is_refused():
     with pytest.raises(InvalidInput, match="must be one of mapping, navigation, learning"):
         resolve({"preset": "racing"}, {}, None)
+
+
+@pytest.mark.parametrize("kind", CAMERA_KINDS, ids=[kind.name for kind in CAMERA_KINDS])
+def test_a_kind_of_camera_takes_images_without_advice(kind, tmp_path):
+    source = named_source("world").open()
+    mission = asked().replace(area=Box(35.16, -89.90, 35.159, -89.898), image_px=64, **camera_kind_values(kind))
+    made = plan(mission, source.grid)
+    assert not any("vary" in text for text in estimate(made).warnings)
+    result = capture(made, source, tmp_path)
+    assert result.written == len(made) > 0
+    stated = Table.load(tmp_path / "satellite" / "meta_data.csv").other
+    assert bool(stated) == (kind.name != "ideal")
