@@ -10,6 +10,7 @@ Each effect has a function that prints its cost, and one that writes its picture
 from __future__ import annotations
 
 import argparse
+import math
 import statistics
 import tempfile
 import time
@@ -19,6 +20,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from PIL import Image, ImageDraw
+from terrainav.core.mission.plan import Plan
 
 WIDTH, HEIGHT = 640, 480
 
@@ -184,8 +186,87 @@ def varied_picture(folder: Path) -> None:
     _sheet(crops, labels, len(labels), 1).save(folder / "realism-varied.jpg", quality=75, optimize=True)
 
 
+def moving(**values: object) -> Plan:
+    """Plan of two points that a camera passes at 20 m/s, turning to a yaw in a second."""
+    from terrainav.core.geodesy.camera import Camera
+    from terrainav.core.geodesy.mercator import PixelGrid
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+
+    yaw_deg = float(values.pop("yaw_deg", 0.0))
+    way_deg = 20.0 / 111_320.0 / math.cos(math.radians(35.155))
+    area = Points(((35.1550, -89.8935, 80.0), (35.1550, -89.8935 + way_deg, 80.0)), (0.0, yaw_deg), times_s=(0.0, 1.0))
+    camera = Camera(60.0, 4.0 / 3.0)
+    return plan(Mission(area, 80.0, camera, image_px=WIDTH, frame="camera", **values), PixelGrid())
+
+
+def drawn(made: Plan) -> np.ndarray:
+    """Image of the first point of a plan."""
+    from terrainav.core.imagery.opening import named_source
+    from terrainav.core.picture.shot import draw, make_shot, picture_parts
+
+    source, parts = named_source("world").open(), picture_parts(made, named_source("world").open(), 0)
+    pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
+    return draw(make_shot(made, 0), parts, pixels).pixels
+
+
+def shutter_costs() -> None:
+    """Drawing an image of instants and of strips, and the mean of instants in linear light."""
+    from terrainav.core.camera.light import bytes_of_linear, linear_of_bytes
+    from terrainav.core.picture.shot import draw, make_shot, picture_parts
+
+    source = None
+    for name, values in (
+        ("an ideal image", {}),
+        ("blur", {"motion_blur": True, "exposure_ms": 5.0}),
+        ("blur", {"motion_blur": True, "exposure_ms": 20.0}),
+        ("rolling shutter", {"row_time_us": 20.0}),
+        ("rolling shutter", {"row_time_us": 60.0}),
+        ("both", {"motion_blur": True, "exposure_ms": 5.0, "row_time_us": 20.0}),
+    ):
+        made = moving(**values)
+        parts = picture_parts(made, source, 0)
+        blank = np.zeros((made.grid.tile_px, made.grid.tile_px, 3), np.uint8)
+        pixels = {part.window: blank for part in parts}
+        shot = make_shot(made, 0)
+        instants, strips = len(shot.instants), len(shot.middle)
+        ours = milliseconds(lambda made=made, parts=parts, pixels=pixels: draw(make_shot(made, 0), parts, pixels))
+        show(f"{name}: {instants} instants, {strips} strips", ours)
+    images = np.random.default_rng(1).integers(0, 256, (9, HEIGHT, WIDTH, 3), np.uint8)
+    table = linear_of_bytes(np.arange(256, dtype=np.uint8))
+
+    def mean() -> np.ndarray:
+        total = np.zeros(images.shape[1:], np.float32)
+        for image in images:
+            total += linear_of_bytes(image)
+        return bytes_of_linear(total / np.float32(len(images)))
+
+    def opencvs() -> np.ndarray:
+        total = np.zeros(images.shape[1:], np.float32)
+        for image in images:
+            cv2.accumulate(cv2.LUT(image, table), total)
+        total /= len(images)
+        return np.rint(255.0 * np.where(total <= 0.0031308, total * 12.92, 1.055 * total ** (1 / 2.4) - 0.055))
+
+    show("mean of 9 images in linear light", milliseconds(mean), "OpenCV", milliseconds(opencvs))
+
+
+def shutter_picture(folder: Path) -> None:
+    """Crops of one image: at rest, blurred, by a rolling shutter, and by one that turns."""
+    images = {
+        "global shutter, at rest": moving(),
+        "20 m/s, 60 ms": moving(motion_blur=True, exposure_ms=60.0),
+        "20 m/s, 200 us a row": moving(row_time_us=200.0),
+        "turning by 60 deg/s": moving(row_time_us=200.0, yaw_deg=60.0),
+    }
+    crops = [Image.fromarray(drawn(made)).resize((304, 228)) for made in images.values()]
+    _sheet(crops, list(images), len(crops), 1).save(folder / "realism-shutter.jpg", quality=72, optimize=True)
+
+
 #: Costs and picture of each effect.
 EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
+    "shutter": (shutter_costs, shutter_picture),
     "sensor": (sensor_costs, sensor_picture),
     "randomisation": (varied_costs, varied_picture),
 }

@@ -166,7 +166,10 @@ class Timing:
             }
         names = "speed_east_m_per_s speed_north_m_per_s speed_up_m_per_s yaw_rate_deg_per_s tilt_rate_deg_per_s".split()
         rates = dict(zip((*names, "roll_rate_deg_per_s"), (float(rate[0]) for rate in self.rates)))
-        return (("row_time_us", self.row_time_us), *stated.items(), *rates.items())
+        # Of rows as written.
+        height = self.plan.views.size_px(self.index)[1]
+        written = (self.plan.mission.output.img_size or (0, height))[1]
+        return (("row_time_us", self.row_time_us * height / written), *stated.items(), *rates.items())
 
 
 def fastest_capture(plan: Plan) -> int:

@@ -29,7 +29,7 @@ from terrainav.core.picture.shot import Take, draw, make_shot, picture_parts
 
 from tests.support.sources import PatternSource
 
-BOX = Box(48.1010, 11.5, 48.0990, 11.512)
+BOX = Box(35.1610, -89.9, 35.1590, -89.888)
 AGL_M, SPEED_M_PER_S, PX = 100.0, 20.0, 800
 #: Angle of edges to the columns of images, as ISO 12233 has them.
 SLANT = math.radians(5.0)
@@ -184,7 +184,7 @@ def projected_px(made, index, size_px, seen):
 
 
 TRACK = Points(
-    ((48.1, 11.5, 100.0), (48.1001, 11.5003, 110.0), (48.1002, 11.5006, 105.0)),
+    ((35.16, -89.9, 100.0), (35.1601, -89.8997, 110.0), (35.1602, -89.8994, 105.0)),
     (350.0, 20.0, 60.0),
     (0.0, 10.0, 40.0),
     (5.0, -5.0, 0.0),
@@ -199,13 +199,16 @@ MOVES = {
 }
 
 
-@pytest.mark.parametrize("elevation", [(), ("world",)], ids=["level", "relief"])
+@pytest.mark.parametrize(
+    ("elevation", "size_px"),
+    [((), None), ((), (300, 200)), (("world",), None), (("world",), (150, 100))],
+    ids=["level", "level, resized", "relief", "relief, resized"],
+)
 @pytest.mark.parametrize("values", MOVES.values(), ids=MOVES)
-@pytest.mark.parametrize("size_px", [None, (300, 200)], ids=["as drawn", "resized"])
 def test_ground_points_lie_where_the_pose_of_their_row_sees_them(values, elevation, size_px):
     given = {"image_px": 320, **values}
     if elevation:
-        given["elevation"] = elevation
+        given.update(elevation=elevation, image_px=240)
     made = planned(row_time_us=90.0, motion_blur=True, exposure_ms=4.0, **given)
     index = 1
     size_px = size_px or made.views.size_px(index)
@@ -244,7 +247,7 @@ def test_an_ideal_picture_is_one_take():
 
 @pytest.mark.parametrize(
     "values",
-    [{"trigger": "hover"}, {"area": Points(((48.1, 11.5, 100.0),))}],
+    [{"trigger": "hover"}, {"area": Points(((35.16, -89.9, 100.0),))}],
     ids=["hovering", "single"],
 )
 def test_cameras_at_rest_are_not_blurred(values):
@@ -258,7 +261,7 @@ def test_cameras_at_rest_are_not_blurred(values):
 
 
 def test_rows_are_flown_straight_through_their_ends():
-    made = planned(row_time_us=60.0, area=Box(48.102, 11.5, 48.098, 11.505))
+    made = planned(row_time_us=60.0, area=Box(35.162, -89.9, 35.158, -89.895))
     assert made.rows > 2
     east, north, up = (np.asarray(rate) for rate in made.rates[:3])
     assert np.abs(np.abs(east) - SPEED_M_PER_S).max() < 1e-6
@@ -268,9 +271,9 @@ def test_rows_are_flown_straight_through_their_ends():
 
 
 def test_routes_do_not_change_how_rows_are_flown():
-    area = Box(48.102, 11.5, 48.098, 11.505)
+    area = Box(35.162, -89.9, 35.158, -89.895)
     direct = planned(row_time_us=60.0, area=area)
-    routed = planned(row_time_us=60.0, area=area, turnaround_m=30.0, lead_in_m=20.0, takeoff=(48.097, 11.5))
+    routed = planned(row_time_us=60.0, area=area, turnaround_m=30.0, lead_in_m=20.0, takeoff=(35.157, -89.9))
     for one, other in zip(direct.rates, routed.rates):
         assert one == pytest.approx(other, abs=1e-3)
 
@@ -316,7 +319,7 @@ def test_a_part_of_a_plan_moves_as_the_whole():
 @pytest.mark.parametrize("elevation", [(), ("world",)], ids=["level", "relief"])
 def test_captures_state_the_motion_and_do_not_depend_on_blocks(elevation, tmp_path):
     given = {"elevation": elevation} if elevation else {}
-    box = Box(48.1002, 11.5, 48.0998, 11.5045)
+    box = Box(35.1602, -89.9, 35.1598, -89.8955)
     made = planned(row_time_us=60.0, motion_blur=True, exposure_ms=8.0, image_px=160, area=box, **given)
     source = named_source("world").open()
     capture(made, source, tmp_path / "whole")
@@ -336,7 +339,9 @@ def test_pictures_are_the_same_without_numba(elevation):
     source = named_source("world").open()
     compiled = picture(made, source, 2)
     with without_numba():
-        assert np.array_equal(picture(made, source, 2), compiled)
+        differs = (picture(made, source, 2) != compiled).any(axis=2)
+    # Over relief, rays end within the tolerance, which may choose another sample of an ideal picture, too.
+    assert differs.mean() < (1e-3 if elevation else 1e-9)
 
 
 def test_blur_needs_colours():
@@ -369,7 +374,7 @@ def test_the_plan_states_the_motion_and_the_greatest_speed():
     assert not any("blur" in str(warning) for warning in slow.warnings)
     hovering = estimate(planned(motion_blur=True, exposure_ms=10.0, trigger="hover"))
     assert str(hovering.motion) == "none: the camera hovers"
-    single = estimate(planned(motion_blur=True, exposure_ms=10.0, area=Points(((48.1, 11.5, 100.0),))))
+    single = estimate(planned(motion_blur=True, exposure_ms=10.0, area=Points(((35.16, -89.9, 100.0),))))
     assert str(single.motion) == "none: the camera is at rest"
     assert estimate(planned()).motion is None
 
