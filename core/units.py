@@ -47,6 +47,7 @@ UNITS = {
     "m": Unit(Message("m"), Message("metres"), " m", 6),
     "deg": Unit(Message("deg"), Message("degrees"), " °", 6),
     "px": Unit(Message("px"), Message("px"), " px", 12),
+    "c/px": Unit(Message("cycles/px"), Message("cycles per px"), " c/px", 4),
     "km": Unit(Message("km"), Message("kilometres"), " km", 3),
     "m/s": Unit(Message("m/s"), Message("metres per second"), " m/s", 3),
     "s": Unit(Message("s"), Message("seconds"), " s", 3),

@@ -147,6 +147,12 @@ class Mission:
                 parts["optics"].sampling,
                 field="resampling",
             )
+        if parts["optics"].diffraction and parts["sensor"].pitch_um is None:
+            raise InvalidInput(
+                "diffraction: needs the pixel pitch",
+                field="diffraction",
+                remedy=Message("give it{0}", OptionName("pixel_um").in_brackets),
+            )
         if parts["shutter"].motion_blur and parts["route"].exposure_ms is None:
             raise InvalidInput(
                 "blur by motion: needs an exposure time",

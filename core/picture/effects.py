@@ -14,7 +14,7 @@ from ..errors import InvalidInput
 from ..mission.mission import Mission
 from ..mission.parts import IDEAL, NO_VIGNETTING
 from ..mission.plan import Plan
-from .photometry import ExposedImage, Haze, ToneCurve, Vignetting, WhiteBalance, check_white_balance
+from .photometry import ExposedImage, Haze, PointSpread, ToneCurve, Vignetting, WhiteBalance, check_white_balance
 from .scene import Light, PictureScene, RawValues
 from .sensor import SensorReadout, check_sensor
 from .shot import MapShot, Shot
@@ -37,6 +37,7 @@ def effects(mission: Mission) -> tuple[Effect, ...]:
     made: list[Effect | None] = [
         None if air.visibility_km is None else Haze(air, air.visibility_km),
         None if optics.vignetting == NO_VIGNETTING else Vignetting(optics),
+        PointSpread.of(mission),
         None if exposure.exposure == IDEAL else ExposedImage(exposure, mission.route.exposure_ms or 0.0),
         SensorReadout.of(mission) if mission.sensor.image_sensor else None,
         None if exposure.white_balance_k is None else WhiteBalance(exposure.white_balance_k),

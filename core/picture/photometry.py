@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,16 @@ from ..camera.light import (
     white_balance,
     white_exposure_s,
 )
-from ..camera.optics import cos4_falloff, dim, radial_falloff
+from ..camera.optics import (
+    cos4_falloff,
+    cutoff_frequency,
+    diffraction_contrast,
+    dim,
+    gaussian_contrast,
+    half_contrast,
+    radial_falloff,
+    spread_light,
+)
 from ..errors import InvalidInput
 from ..mission.mission import Mission
 from ..mission.parts import BY_ISO, BY_TIME, COS4, Air, CameraOptics, ExposureControl
@@ -57,6 +67,36 @@ class Vignetting:
             share = radial_falloff(*scene.radii, optics.falloff_terms)
         dim(light.values, share)
         light.facts["vignetting"] = optics.vignetting
+
+
+@dataclass(frozen=True)
+class PointSpread:
+    """Light that the lens spreads: by its stated sharpness, or by diffraction of an aperture for pixels of a pitch."""
+
+    mtf50: float | None
+    f_number: float
+    pixel_um: float
+
+    @classmethod
+    def of(cls, mission: Mission) -> PointSpread | None:
+        """Spread of a mission's lens; None if it is perfectly sharp."""
+        optics = mission.optics
+        if not optics.diffraction and optics.mtf50 is None:
+            return None
+        return cls(optics.mtf50, mission.exposure.f_number, mission.sensor.pitch_um or 0.0)
+
+    def apply(self, light: Light) -> None:
+        """Spread the light of what the picture shows, and state at what frequency half of the contrast is left."""
+        if self.mtf50 is not None:
+            contrast = partial(gaussian_contrast, mtf50=self.mtf50)
+        else:
+            cutoff = cutoff_frequency(self.f_number, self.pixel_um)
+            contrast = partial(diffraction_contrast, cutoff=cutoff)
+            light.facts["f_number"] = self.f_number
+        shot = light.scene.shot
+        hidden = shot.hidden if isinstance(shot, Shot) else None
+        spread_light(light.values, contrast, None if hidden is None else ~hidden)
+        light.facts["mtf50"] = half_contrast(contrast)
 
 
 @dataclass(frozen=True)

@@ -14404,6 +14404,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>diffraction: needs the pixel pitch</source>
+        <translation>difracción: requiere el paso de píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>exposure {0}: meters images, whose blur by motion needs the exposure time before</source>
         <translation>exposición {0}: mide las imágenes, cuyo desenfoque por movimiento necesita antes el tiempo de exposición</translation>
     </message>
@@ -15212,6 +15217,21 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>
+        <source>blur images by the diffraction of the aperture, from f-number and pixel pitch, for green light of 555 nm</source>
+        <translation>desenfocar las imágenes por la difracción de la apertura, según el número f y el paso de píxel, para luz verde de 555 nm</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>diffraction</source>
+        <translation>difracción</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>diffraction, and an MTF50 of {0:g} cycles/px, which includes it: must be one of the two</source>
+        <translation>difracción y además una MTF50 de {0:g} ciclos/px, que la incluye: debe ser una de las dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
         <source>how light falls off from the middle of the image: none; cos4, by the fourth power of the cosine of the angle to the optical axis; or up to three coefficients a b c of 1 + a r² + b r⁴ + c r⁶, where r is the distance from the principal point, 1 at half the image's diagonal</source>
         <translation>cómo disminuye la luz desde el centro de la imagen: none, nada; cos4, según la cuarta potencia del coseno del ángulo con el eje óptico; o hasta tres coeficientes a b c de 1 + a r² + b r⁴ + c r⁶, donde r es la distancia al punto principal, 1 a media diagonal de la imagen</translation>
     </message>
@@ -15224,6 +15244,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/optics.py"/>
         <source>sampling</source>
         <translation>muestreo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>sharpness (MTF50)</source>
+        <translation>nitidez (MTF50)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>spatial frequency at which lens and pixels together leave half of the contrast (MTF50); square pixels alone do at 0.603; left out, the lens is perfectly sharp</source>
+        <translation>frecuencia espacial a la que objetivo y píxeles juntos dejan la mitad del contraste (MTF50); los píxeles cuadrados solos lo hacen a 0.603; si se omite, el objetivo es perfectamente nítido</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>
@@ -17484,6 +17514,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>página</translation>
     </message>
     <message>
+        <location filename="../../core/report/sharpness.py"/>
+        <source>edge in an image of {0} px: needs one channel of {1} x {1} px or more</source>
+        <translation>borde en una imagen de {0} px: requiere un canal de {1} x {1} px o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/sharpness.py"/>
+        <source>edge slanted by {0:.2f} deg: must be {1:g} to {2:g} deg from rows or columns</source>
+        <translation>borde inclinado {0:.2f} grados: debe estar de {1:g} a {2:g} grados de filas o columnas</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/sharpness.py"/>
+        <source>edge whose sides differ by {0:.2g} of white: must be {1:g} or more</source>
+        <translation>borde cuyos lados difieren en {0:.2g} del blanco: debe ser {1:g} o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/sharpness.py"/>
+        <source>edge {0:.1f} px from the image's side: must be 2 px or more</source>
+        <translation>borde a {0:.1f} px del lado de la imagen: debe ser 2 px o más</translation>
+    </message>
+    <message>
         <location filename="../../core/storage/config.py"/>
         <source>mend it, or move it away</source>
         <translation>corríjalo o apártelo</translation>
@@ -17744,6 +17794,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/units.py"/>
         <source>DN/e-</source>
         <translation>DN/e-</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>cycles per px</source>
+        <translation>ciclos por px</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>cycles/px</source>
+        <translation>ciclos/px</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

@@ -104,6 +104,7 @@ _OTHERS = {
     "skip_rows": "3,7-9",
     "split_after": "120,340",
     "exposure_ms": 2.5,
+    "pixel_um": 3.45,
     "image_sensor": "Allied Vision Alvium 1800 C-507m",
     "exposure": "time",
     "shortest_exposure_ms": 0.5,
@@ -117,6 +118,7 @@ _NEEDED = {
     "battery_min": ("takeoff",),
     "split_after": ("takeoff",),
     "motion_blur": ("exposure_ms",),
+    "diffraction": ("pixel_um",),
     **dict.fromkeys(
         (
             "quantum_efficiency",

@@ -45,7 +45,7 @@ def _check_vignetting(text: str) -> None:
 
 @dataclass(frozen=True)
 class CameraOptics(CheckedFields):
-    """Sampling of the imagery, and vignetting."""
+    """Sampling of the imagery, sharpness of the lens, and vignetting."""
 
     sampling: str = declared(
         ZOOM,
@@ -54,6 +54,24 @@ class CameraOptics(CheckedFields):
         "pixel, and averages up to 8 samples of slanted ground; area averages all that the pixel covers, in linear "
         "light, from finer zooms: without aliases far away, with more tiles",
         choices={ZOOM: "Interpolated", AREA: "Mean over the pixel's area"},
+        advanced=True,
+    )
+    mtf50: float | None = declared(
+        None,
+        title="sharpness (MTF50)",
+        help="spatial frequency at which lens and pixels together leave half of the contrast (MTF50); square pixels "
+        "alone do at 0.603; left out, the lens is perfectly sharp",
+        unit="c/px",
+        # Wider blur is no picture; beyond half a cycle per pixel, pixels do not show it.
+        least=0.02,
+        most=0.5,
+        suggested=0.3,
+        advanced=True,
+    )
+    diffraction: bool = declared(
+        False,
+        title="diffraction",
+        help="blur images by the diffraction of the aperture, from f-number and pixel pitch, for green light of 555 nm",
         advanced=True,
     )
     vignetting: str = declared(
@@ -68,13 +86,19 @@ class CameraOptics(CheckedFields):
     )
 
     def __post_init__(self) -> None:
-        """Check every field; store equal coefficients as equal texts."""
+        """Check every field; refuse two kinds of blur, and store equal coefficients as equal texts."""
         given: Any = self.vignetting
         with suppress(ValueError, AttributeError):
             terms = [real_number(one) for one in given.split()]
             if all(map(math.isfinite, terms)):
                 object.__setattr__(self, "vignetting", " ".join(f"{one:.15g}" for one in terms))
         super().__post_init__()
+        if self.diffraction and self.mtf50 is not None:
+            raise InvalidInput(
+                "diffraction, and an MTF50 of {0:g} cycles/px, which includes it: must be one of the two",
+                self.mtf50,
+                field="diffraction",
+            )
 
     @property
     def by_area(self) -> bool:

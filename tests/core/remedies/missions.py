@@ -494,3 +494,9 @@ def _too_low_speed(case: Case) -> None:
 
     case.refused(lambda: check(100.0))
     case.follow("give 234 or more", lambda: check(234.0))
+
+
+@remedy("mission/mission.py", "diffraction: needs the pixel pitch; give it (--pixel-um)")
+def _no_pitch(case: Case) -> None:
+    case.refused(lambda: Mission(AREA, 120.0, diffraction=True))
+    case.follow("give it (--pixel-um)", lambda: Mission(AREA, 120.0, diffraction=True, pixel_um=3.45))
