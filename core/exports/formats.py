@@ -9,9 +9,11 @@ import json
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from ..geodesy.lens import FISHEYE, PERSPECTIVE
@@ -87,7 +89,11 @@ def _colmap_lens(camera: Camera) -> tuple[str, tuple[float, ...]]:
 
 
 def nerfstudio(views: Views, path: Path) -> dict[str, str]:
-    """Nerfstudio's ``transforms.json``: poses from camera to world with OpenGL's axes, and relative image paths."""
+    """Nerfstudio's ``transforms.json``: poses from camera to world with OpenGL's axes, and relative image paths.
+
+    Motion that blurs or skews images is stated as "Gaussian Splatting on the Move" (Seiskari et al. 2024) reads it:
+    seconds of the exposure and of reading all rows, velocities and turn rates along and about the camera's axes.
+    """
     camera = views.camera
     names = ("k1", "k2", "k3", "k4") if camera.lens == FISHEYE else ("k1", "k2", "k3", "p1", "p2")
     if camera.lens == PERSPECTIVE and any((camera.k4, camera.k5, camera.k6)):
@@ -100,6 +106,7 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
         )
     # From OpenCV's camera axes (right, down, view) to OpenGL's (right, up, back).
     opengl = np.diag([1.0, -1.0, -1.0])
+    motion, times = _nerfstudio_motion(views, opengl)
     frames = []
     for at, name in enumerate(views.names):
         pose = np.eye(4)
@@ -115,13 +122,30 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
                 "cx": float(views.cx_px[at]),
                 "cy": float(views.cy_px[at]),
                 "transform_matrix": pose.tolist(),
+                **{name: values[at] for name, values in motion.items()},
             }
         )
     # Nerfstudio takes k3 for 0 unless it is given.
     distortion = {name: getattr(camera, name) for name in names if name != "k3" or camera.k3}
     model = "OPENCV_FISHEYE" if camera.lens == FISHEYE else "OPENCV"
-    document = {"camera_model": model, **distortion, "frames": frames}
+    document = {"camera_model": model, **distortion, **times, "frames": frames}
     return {"transforms.json": json.dumps(document, indent=1) + "\n"}
+
+
+def _nerfstudio_motion(views: Views, opengl: Floats) -> tuple[dict[str, list[Any]], dict[str, float]]:
+    """Motion of each frame by key, and times that all frames share; each frame states those that differ."""
+    if views.motion is None:
+        return {}, {}
+    exposure_s, readout_s, rates = views.motion
+    keys = ("camera_linear_velocity", "camera_angular_velocity")
+    found = {key: (values @ opengl).tolist() for key, values in zip(keys, views.velocities(rates))}
+    shared = {}
+    for key, seconds in (("exposure_time", exposure_s), ("rolling_shutter_time", readout_s)):
+        if (seconds == seconds[0]).all():
+            shared[key] = float(seconds[0])
+        else:
+            found[key] = seconds.tolist()
+    return found, shared
 
 
 def tum(views: Views, _: Path) -> dict[str, str]:

@@ -6,21 +6,57 @@ import os
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Floats, Numbers
+from ..arrays import Floats, NDArray, Numbers
 from ..dataset.dataset import read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.ground import are_camera_frames, check_poses
 from ..dataset.labels import middle_position
-from ..dataset.table import unix_seconds, usable_rows
+from ..dataset.table import Table, unix_seconds, usable_rows
 from ..errors import InvalidInput, Message, OptionName
-from ..geodesy.camera import Camera, image_axes
+from ..geodesy.camera import Camera, Poses, image_axes
 from ..geodesy.local import LocalFrame
+from ..mission.flight.rates import Rates
 from ..mission.mission import Mission
+from ..mission.takes import RATE_COLUMNS
 
 ORIGIN_FILE = "origin.json"
+
+
+class ViewMotion(NamedTuple):
+    """Motion of cameras (n,) while their images are taken.
+
+    Attributes
+    ----------
+    exposure_s, readout_s : array
+        Exposure times that blur the images, and times in which all their rows are read; 0 for none.
+    rates : Rates
+    """
+
+    exposure_s: Floats
+    readout_s: Floats
+    rates: Rates
+
+    @classmethod
+    def of_table(cls, table: Table, rows: NDArray[np.int64]) -> ViewMotion | None:
+        """Motion that a table states of some of its rows; None if it states none."""
+        stated = {
+            name: np.array([float(column[row]) for row in rows.tolist()])
+            for name, column in table.other.items()
+            if name in _STATED and all(column[row] for row in rows.tolist())
+        }
+        if not {"row_time_us", *RATE_COLUMNS} <= set(stated):
+            return None
+        blur_s = stated["exposure_ms"] * 1e-3 if "exposure_instants" in stated else np.zeros(len(rows))
+        read_s = stated["row_time_us"] * 1e-6 * table.image_height_px[rows]
+        return cls(blur_s, read_s, Rates(*(stated[name] for name in RATE_COLUMNS)))
+
+
+#: Columns that state motion.
+_STATED = {"row_time_us", "exposure_ms", "exposure_instants", *RATE_COLUMNS}
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +79,8 @@ class Views:
         As for `Camera.rays_enu`.
     times_s : array (n,) or None
         Unix seconds; None if any image has no time.
+    motion : ViewMotion or None
+        Motion that blurs or skews images; None for images without.
     """
 
     folder: Path
@@ -61,6 +99,7 @@ class Views:
     tilt_deg: Floats
     roll_deg: Floats
     times_s: Floats | None = None
+    motion: ViewMotion | None = None
 
     def __len__(self) -> int:
         return len(self.names)
@@ -86,6 +125,20 @@ class Views:
         """Rotations (n, 3, 3) from the frame to the camera's right, down and view (OpenCV's axes)."""
         attitude = self.yaw_deg, self.tilt_deg, self.roll_deg
         return camera_rotations(self.frame, self.lat_deg, self.lon_deg, *attitude)
+
+    def velocities(self, rates: Rates) -> tuple[Floats, Floats]:
+        """Velocities in m/s and turn rates in rad/s of the cameras, along and about their axes (OpenCV's), (n, 3) each.
+
+        Turns are right-handed: about the axis to the right, the camera turns from down to its view.
+        """
+        after_s = 1e-3
+        poses = Poses(self.lat_deg, self.lon_deg, self.height_m, self.yaw_deg, self.tilt_deg, self.roll_deg)
+        lat, lon, height_m, *attitude = rates.moved(poses, after_s)
+        way = (self.frame.enu(lat, lon, height_m) - self.centres_m) / after_s
+        turned = self.rotations @ np.swapaxes(camera_rotations(self.frame, lat, lon, *attitude), 1, 2)
+        skew = (turned - np.swapaxes(turned, 1, 2)) / (2.0 * after_s)
+        turns = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+        return np.einsum("nij,nj->ni", self.rotations, way), turns
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str], map_type: str | None = None) -> Views:
@@ -136,6 +189,7 @@ class Views:
             table.tilt_deg[rows],
             table.roll_deg[rows],
             times if np.isfinite(times).all() else None,
+            ViewMotion.of_table(table, rows),
         )
 
 

@@ -25,6 +25,11 @@ _RELIEF_MARGIN = 1.25
 _MOMENT_S = 1e-4
 #: Metres to where there is no ground.
 _FAR_M = 1e9
+#: Columns of the table that state the rates of a camera, in the order of `Rates`.
+RATE_COLUMNS = (
+    *("speed_east_m_per_s", "speed_north_m_per_s", "speed_up_m_per_s"),
+    *("yaw_rate_deg_per_s", "tilt_rate_deg_per_s", "roll_rate_deg_per_s"),
+)
 #: What is stated of the motion of a camera, by the name of the table's column.
 Facts = tuple[tuple[str, float], ...]
 
@@ -164,8 +169,7 @@ class Timing:
                 "motion_blur_px": self.blur_px,
                 "exposure_instants": float(self.instants),
             }
-        names = "speed_east_m_per_s speed_north_m_per_s speed_up_m_per_s yaw_rate_deg_per_s tilt_rate_deg_per_s".split()
-        rates = dict(zip((*names, "roll_rate_deg_per_s"), (float(rate[0]) for rate in self.rates)))
+        rates = dict(zip(RATE_COLUMNS, (float(rate[0]) for rate in self.rates)))
         # Of rows as written.
         height = self.plan.views.size_px(self.index)[1]
         written = (self.plan.mission.output.img_size or (0, height))[1]

@@ -194,6 +194,52 @@ def test_nerfstudio(captured, tmp_path):
         check_colours(folder / frame["file_path"], focal, to_world, pose[:3, 3], origin_of(folder))
 
 
+def opengl_rotation(yaw_deg, tilt_deg, roll_deg):
+    """Rotation from right, up and back of a camera that looks down from an aircraft, to east, north and up."""
+    to_ned = Rotation.from_euler("ZYX", [yaw_deg, tilt_deg, roll_deg], degrees=True).as_matrix()
+    to_enu = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    to_body = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    return to_enu @ to_ned @ to_body
+
+
+@pytest.mark.parametrize("img_size", [None, (40, 60, 3)], ids=["as drawn", "resized"])
+def test_nerfstudio_states_the_motion_of_images(tmp_path, img_size):
+    area = Points(
+        ((34.98, -86.0, 100.0), (34.9801, -85.9998, 110.0), (34.9803, -85.9996, 100.0)),
+        (350.0, 20.0, 60.0),
+        (0.0, 10.0, 40.0),
+        (5.0, -5.0, 0.0),
+        times_s=(0.0, 1.5, 2.5),
+    )
+    given = {"img_size": img_size} if img_size else {}
+    mission = Mission(area, 100.0, image_px=80, row_time_us=50.0, motion_blur=True, exposure_ms=4.0, **given)
+    source = open_source("world")
+    made = plan(mission, source.grid)
+    capture(made, source, tmp_path / "made")
+    views = Views.read(tmp_path / "made")
+    document = json.loads((export(views, tmp_path / "nerf", "nerfstudio") / "transforms.json").read_text())
+    assert document["exposure_time"] == pytest.approx(4e-3)
+    assert document["rolling_shutter_time"] == pytest.approx(50e-6 * made.views.size_px(0)[1])
+    step_s = 1e-4
+    for at, frame in enumerate(document["frames"]):
+        pose = np.array(frame["transform_matrix"])
+        speed = pose[:3, :3] @ frame["camera_linear_velocity"]
+        rates = [float(rate[at]) for rate in made.rates]
+        assert speed == pytest.approx(rates[:3], abs=1e-2)
+        angles = np.array([float(angle[at]) for angle in made.poses.attitude])
+        start, end = opengl_rotation(*angles), opengl_rotation(*(angles + np.array(rates[3:]) * step_s))
+        assert pose[:3, :3] == pytest.approx(start, abs=1e-5)
+        turn = Rotation.from_rotvec(np.array(frame["camera_angular_velocity"]) * step_s).as_matrix()
+        assert start @ turn == pytest.approx(end, abs=1e-7)
+
+
+def test_images_at_rest_state_no_motion(captured, tmp_path):
+    folder = export(Views.read(captured), tmp_path / "nerf", "nerfstudio")
+    text = (folder / "transforms.json").read_text()
+    assert "velocity" not in text
+    assert "_time" not in text
+
+
 def test_tum(captured, tmp_path):
     views = Views.read(captured)
     folder = export(views, tmp_path / "tum", "tum")
