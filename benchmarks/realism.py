@@ -16,11 +16,16 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 from PIL import Image, ImageDraw
 from terrainav.core.mission.plan import Plan
+
+if TYPE_CHECKING:
+    from terrainav.core.imagery.source import Source
+    from terrainav.core.mission.plan import Plan
 
 WIDTH, HEIGHT = 640, 480
 
@@ -40,6 +45,121 @@ def show(effect: str, ours_ms: float, others: str = "", others_ms: float = 0.0) 
     """Print a line of the table of costs."""
     beside = f"{others} {others_ms:6.1f} ms, ratio {ours_ms / others_ms:.2f}" if others else ""
     print(f"{effect:44} {ours_ms:6.1f} ms   {beside}")
+
+
+def light_costs() -> None:
+    """Linear light, haze, vignetting, exposure, white balance and values of an image that looks to the horizon."""
+    from terrainav.core.camera.air import add_haze, extinction_per_m
+    from terrainav.core.camera.light import bytes_of_linear, linear_of_bytes, metered_gain, mixed, white_balance
+    from terrainav.core.camera.optics import cos4_falloff, dim
+    from terrainav.core.picture.scene import PictureScene
+    from terrainav.core.picture.shot import make_shot
+
+    plan, _ = planned(tilt_deg=70.0, frame="camera")
+    shot = make_shot(plan, 0)
+    scene = PictureScene(plan, 0, shot)
+    (height, width), (right, down) = scene.range_m.shape, scene.tangents
+    pixels = np.random.default_rng(1).integers(0, 256, (height, width, 3), np.uint8)
+    light = linear_of_bytes(pixels)
+    table = linear_of_bytes(np.arange(256, dtype=np.uint8))
+    show("linear light of 8 bits", milliseconds(lambda: linear_of_bytes(pixels)), *cv(lambda: cv2.LUT(pixels, table)))
+
+    def encode() -> np.ndarray:
+        low = cv2.multiply(light, np.full(4, 12.92))
+        high = cv2.subtract(cv2.multiply(cv2.pow(light, 1.0 / 2.4), np.full(4, 1.055)), np.full(4, 0.055))
+        return cv2.convertScaleAbs(np.where(light <= 0.0031308, low, high), alpha=255.0)
+
+    show("8 bits of linear light", milliseconds(lambda: bytes_of_linear(light)), *cv(encode))
+    extinction, airlight = extinction_per_m(10.0), np.array([0.5, 0.55, 0.6])
+    air = np.append(airlight, 0.0)
+    found = milliseconds(lambda: PictureScene(plan, 0, shot).range_m)
+    show("haze: range of the pixels over level ground", found)
+    range_m = scene.range_m.astype(np.float32)
+
+    def mist() -> np.ndarray:
+        share = cv2.exp(range_m * np.float32(-extinction))
+        shares = cv2.merge([share, share, share])
+        return cv2.add(cv2.multiply(cv2.subtract(light, air), shares), air)
+
+    show("haze", milliseconds(lambda: add_haze(light.copy(), scene.range_m, extinction, airlight)), *cv(mist))
+
+    def falloff() -> np.ndarray:
+        return light * (1.0 / (1.0 + right**2 + down**2) ** 2).astype(np.float32)[..., np.newaxis]
+
+    ours = milliseconds(lambda: dim(light.copy(), cos4_falloff(right, down)))
+    show("vignetting", ours, "numpy", milliseconds(falloff))
+    show("exposure", milliseconds(lambda: light * np.float32(0.5)), *cv(lambda: cv2.multiply(light, np.full(4, 0.5))))
+    show("metering", milliseconds(lambda: metered_gain(light, "average")))
+    matrix = white_balance(5000.0)
+    show("white balance", milliseconds(lambda: mixed(light, matrix)), *cv(lambda: cv2.transform(light, matrix)))
+
+
+def cv(run: Callable[[], object]) -> tuple[str, float]:
+    """Name and time of OpenCV doing the same."""
+    return "OpenCV", milliseconds(run)
+
+
+def planned(agl_m: float = 120.0, **values: object) -> tuple[Plan, Source]:
+    """Plan of one image of the synthetic world, and the world."""
+    from terrainav.core.geodesy.camera import Camera
+    from terrainav.core.imagery.opening import named_source
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+
+    source = named_source("world").open()
+    fov_deg = values.pop("fov_deg", 60.0)
+    mission = Mission(Points(((35.1552, -89.8935, agl_m),)), agl_m, Camera(fov_deg, 4.0 / 3.0), **values)
+    return plan(mission, source.grid), source
+
+
+def developed(**values: object) -> tuple[Image.Image, dict[str, str]]:
+    """An image of the synthetic world, and what the table states of its effects."""
+    from terrainav.core.capture.runner import capture
+    from terrainav.core.dataset.table import Table
+
+    plan, source = planned(**values)
+    with tempfile.TemporaryDirectory() as made:
+        capture(plan, source, made)
+        (path,) = Path(made).glob("satellite/*.tif")
+        other = Table.load(path.parent / "meta_data.csv").other
+        return Image.open(path).convert("RGB"), {name: cells[0] for name, cells in other.items()}
+
+
+def light_pictures(folder: Path) -> None:
+    """Images with one effect on light each, a few strengths side by side."""
+    above = {"agl_m": 400.0, "image_px": 208, "frame": "camera"}
+    ahead = {"agl_m": 150.0, "image_px": 208, "frame": "camera", "tilt_deg": 72.0}
+    manual = {"exposure": "manual", "exposure_ms": 1.0}
+    series: dict[str, tuple[list[dict[str, object]], Callable[[dict[str, str]], str]]] = {
+        "exposure": (
+            [
+                *({**ahead, **manual, "visibility_km": 15.0, "exposure_ms": ms} for ms in (0.4, 0.8, 1.6)),
+                {**ahead, "exposure": "time", "visibility_km": 15.0},
+            ],
+            lambda facts: f"{facts['exposure']}, {float(facts['exposure_ms']):.3g} ms",
+        ),
+        "white-balance": (
+            [{**above, **manual, "white_balance_k": kelvin} for kelvin in (3200.0, 4500.0, 6504.0, 9000.0)],
+            lambda facts: f"{float(facts['white_balance_k']):,.0f} K",
+        ),
+        "tone": (
+            [{**above, **manual, "tone": tone} for tone in ("srgb", "linear", "filmic")],
+            lambda facts: facts.get("tone", "srgb"),
+        ),
+        "vignetting": (
+            [{**above, "fov_deg": 95.0, "agl_m": 220.0, "vignetting": one} for one in ("none", "cos4", "-0.8 0.2")],
+            lambda facts: facts.get("vignetting", "none"),
+        ),
+        "haze": (
+            [ahead, *({**ahead, "visibility_km": km} for km in (20.0, 4.0, 1.0))],
+            lambda facts: f"{float(facts['visibility_km']):g} km" if "visibility_km" in facts else "clear",
+        ),
+    }
+    for name, (missions, label) in series.items():
+        images, facts = zip(*(developed(**values) for values in missions))
+        sheet = _sheet(list(images), [label(one) for one in facts], len(images), 1)
+        sheet.save(folder / f"realism-{name}.jpg", quality=78, optimize=True)
 
 
 def sensor_costs() -> None:
@@ -266,6 +386,7 @@ def shutter_picture(folder: Path) -> None:
 
 #: Costs and picture of each effect.
 EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
+    "light": (light_costs, light_pictures),
     "shutter": (shutter_costs, shutter_picture),
     "sensor": (sensor_costs, sensor_picture),
     "randomisation": (varied_costs, varied_picture),

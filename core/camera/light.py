@@ -157,15 +157,10 @@ def white_balance(temperature_k: float) -> Floats:
 
 def mixed(light: NDArray[np.float32], matrix: Floats) -> NDArray[np.float32]:
     """Light (h, w, 3) of channels that are mixed by a matrix (3, 3); negative light becomes 0."""
-    # Explicit sums, of which no processor's library of linear algebra changes the order.
-    red, green, blue = (np.ascontiguousarray(light[..., channel]) for channel in range(3))
-    found = np.empty(light.shape, np.float32)
-    for channel, (of_red, of_green, of_blue) in enumerate(matrix.astype(np.float32)):
-        total = red * of_red
-        total += green * of_green
-        total += blue * of_blue
-        np.maximum(total, np.float32(0.0), out=found[..., channel])
-    return found
+    height, width, channels = light.shape
+    found = light.reshape(-1, channels) @ matrix.T.astype(np.float32)
+    np.maximum(found, np.float32(0.0), out=found)
+    return found.reshape(height, width, channels)
 
 
 #: Chromaticities of the primaries and the white of sRGB (IEC 61966-2-1).

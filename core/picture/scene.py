@@ -23,7 +23,7 @@ from .optics import planned_optics
 from .shot import MapShot, Shot
 
 #: Pixels whose ground is found together.
-_CACHED_PX = 1 << 15
+_CACHED_PX = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,9 @@ class PictureScene:
             rays = self._rays(pose)
             for top in range(first, end, rows):
                 bottom = min(top + rows, end)
-                directions = rays.ideal_directions(*rays.ideal_centres(top, bottom))
+                centres = rays.ideal_centres(top, bottom)
+                # Each component in one piece of memory.
+                directions = np.moveaxis(np.stack([rays.component(axis, *centres) for axis in range(3)]), 0, -1)
                 range_m[top:bottom] = distances_m(pose.lat_deg[0], pose.agl_m[0], directions, self.plan.ground)
         return range_m
 
