@@ -157,10 +157,18 @@ def white_balance(temperature_k: float) -> Floats:
 
 def mixed(light: NDArray[np.float32], matrix: Floats) -> NDArray[np.float32]:
     """Light (h, w, 3) of channels that are mixed by a matrix (3, 3); negative light becomes 0."""
-    height, width, channels = light.shape
-    found = light.reshape(-1, channels) @ matrix.T.astype(np.float32)
-    np.maximum(found, np.float32(0.0), out=found)
-    return found.reshape(height, width, channels)
+    found, factors = np.empty(light.shape, np.float32), matrix.astype(np.float32)
+    rows = max(_BATCH // max(light.shape[1], 1), 1)
+    for top in range(0, len(light), rows):
+        some = light[top : top + rows]
+        channels = [np.ascontiguousarray(some[..., channel]) for channel in range(3)]
+        # Sums in a stated order, which libraries of linear algebra choose by processor.
+        for channel, (red, green, blue) in enumerate(factors):
+            total = channels[0] * red
+            total += channels[1] * green
+            total += channels[2] * blue
+            np.maximum(total, np.float32(0.0), out=found[top : top + rows, :, channel])
+    return found
 
 
 #: Chromaticities of the primaries and the white of sRGB (IEC 61966-2-1).

@@ -131,7 +131,7 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
     """Value of a field's parameter; None if it is optional and not given."""
     name = _parameter_id(field)
     if field.unit.times != 1.0:
-        return _share(run, field)
+        return None if field.optional and run.parameters.get(name) is None else _share(run, field)
     if field.choices and field.kind is tuple:
         return run.chosen(name)
     if field.choices:
