@@ -43,10 +43,14 @@ def shine(canvas: Canvas, scene: Scene, facing: Canvas) -> None:
     shown = cast_shadows(scene)
     if shown is not None:
         light *= shown.ravel()
-    light *= np.float32((1.0 - sun.sky_share) * _LIGHT_STEPS)
-    light += view.ravel() * np.float32(sun.sky_share * _LIGHT_STEPS)
-    np.minimum(light, np.float32(len(_GAIN) - 1), out=light)
-    gain = _GAIN.take(light.astype(np.intp), mode="clip")
+    light *= np.float32(1.0 - sun.sky_share)
+    light += view.ravel() * np.float32(sun.sky_share)
+    _multiply(canvas, light)
+
+
+def _multiply(canvas: Canvas, light: Array) -> None:
+    """Multiply the linear light of colours by factors (n,)."""
+    gain = _GAIN.take((light * np.float32(_LIGHT_STEPS)).astype(np.intp), mode="clip")
     canvas.planes += _OFFSET
     canvas.planes *= gain
     canvas.planes -= _OFFSET
