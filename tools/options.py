@@ -24,7 +24,7 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import SCHEMA, Mission
 from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
 from terrainav.core.mission.parts import FLAT_PARTS, Attitude, Flight
-from terrainav.core.mission.presets import PRESETS
+from terrainav.core.mission.presets import CAMERA_KINDS, PRESETS
 
 ROOT = Path(__file__).resolve().parent.parent
 SCHEMA_FILE, PAGE = ROOT / "resources" / "mission.schema.json", ROOT / "docs" / "options.md"
@@ -40,6 +40,8 @@ in several parts (see `resources/mission.schema.json`) and omits default values.
 _PRESETS = """`--preset NAME` sets these values, unless another option does. If you also set a camera, a sensor or an
 aspect ratio, the preset `learning` keeps that shape, 256 px along the longer side; if you set a source, the map types
 are not changed.
+"""
+_KINDS = """`--camera-kind NAME` sets these values of [a real camera](realism.md), unless another option does.
 """
 _PARTS = {
     "camera": "Camera",
@@ -229,6 +231,8 @@ def page() -> str:
         "| --- | --- | --- |",
     ]
     text += [f"| `{one.name}` | {_cell(str(one.note))} | {_values(one.values)} |" for one in PRESETS]
+    text += ["", _KINDS, "| kind of camera | description | values |", "| --- | --- | --- |"]
+    text += [f"| `{one.name}` | {_cell(str(one.note))} | {_values(one.values)} |" for one in CAMERA_KINDS]
     return "\n".join([*text, ""])
 
 

@@ -531,6 +531,16 @@ def labelled(stage: Stage) -> None:
     viewing.viewer.hide()
 
 
+def realism(stage: Stage) -> None:
+    """The group of a real camera's effects."""
+    stage.begin(TOWN, "realism", agl=90.0, tilt_deg=35.0, image_px=800)
+    stage.form.pages.setCurrentIndex(3)
+    stage.form.realism.setCollapsed(False)
+    choose(stage.form.realism.kinds.choice, "consumer-drone")
+    stage.plan()
+    stage.shoot("realism.png", stage.part(stage.dock), stage.form.realism)
+
+
 def world_roofs(path: Path) -> None:
     """Write the outlines of the embedded world's roofs in a town, with a kind by their size, as a GeoPackage."""
     lat, lon = TOWN_PLACE
@@ -921,6 +931,7 @@ SCENES: dict[str, Callable[[Stage], None]] = {
         height_profile,
         learning,
         labelled,
+        realism,
         choices,
         previews,
         capturing,

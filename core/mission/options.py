@@ -26,7 +26,7 @@ from .parts import (
     Route,
     Terrain,
 )
-from .presets import PRESET_NAMES
+from .presets import CAMERA_KINDS, PRESET_NAMES
 
 #: Fields of several values in one text.
 JOINED = ("stretch", "airlight", "vignetting", "sun")
@@ -203,6 +203,13 @@ OPTIONS: tuple[Option, ...] = (
         None,
         "values that suit a purpose; any other option overrides them",
         choices=PRESET_NAMES,
+    ),
+    Option(
+        "camera_kind",
+        str,
+        None,
+        "effects of a kind of camera; any other option overrides them",
+        choices=tuple(kind.name for kind in CAMERA_KINDS),
     ),
     Option(
         "coords",

@@ -5,7 +5,7 @@ A preset fills in fields, each of which may still be changed; the mission does n
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -149,7 +149,7 @@ def camera_kind_values(preset: Preset) -> dict[str, Any]:
     return {**usual, **preset.values}
 
 
-def preset_named(name: str) -> Preset:
+def preset_named(name: str, presets: Sequence[Preset] = PRESETS) -> Preset:
     """Find a preset by its name.
 
     Raises
@@ -157,7 +157,8 @@ def preset_named(name: str) -> Preset:
     InvalidInput
         No such preset; lists the names.
     """
-    found = next((preset for preset in PRESETS if preset.name == name), None)
+    found = next((preset for preset in presets if preset.name == name), None)
     if found is None:
-        raise InvalidInput("preset {0!r}: must be one of {1}", name, ", ".join(PRESET_NAMES), field="preset")
+        names = ", ".join(preset.name for preset in presets)
+        raise InvalidInput("preset {0!r}: must be one of {1}", name, names, field="preset")
     return found

@@ -26,7 +26,7 @@ from .flight.wind import Wind
 from .mission import Mission, flat_fields
 from .options import JOINED, OPTIONS
 from .parts import AUTO, Flight, Pixels
-from .presets import preset_named
+from .presets import CAMERA_KINDS, preset_named
 
 CONFIG_FILE = "config.json"
 #: Options of a camera, any of which excludes the camera of a preset.
@@ -58,6 +58,9 @@ def resolve(
         _take(place, values, settled)
     if values["preset"] is not None:
         _take(_read_preset(values, settled), values, settled)
+    if values["camera_kind"] is not None:
+        kind = preset_named(values["camera_kind"], CAMERA_KINDS)
+        _take(_labelled(kind.name, kind.values), values, settled)
     return values
 
 
@@ -85,12 +88,20 @@ def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tupl
             fields["img_size"] = _fit_size(fields["img_size"], *shape)
     if preset.camera and not settled & _CAMERA_OPTIONS:
         given["camera"] = preset.camera
-    named = {one.name: one.name_of_option for one in flat_fields()}
-    given.update({named[field]: value for field, value in fields.items() if value is not None})
     if settled & {"source", "imagery"}:
         # Most sources have one map type, so that the folders of two would hold the same images.
-        del given["map_type"]
-    return {option: (f"preset {name}, option", value) for option, value in given.items()}
+        del fields["map_types"]
+    return {**_labelled(name, fields), **{option: _labelling(name, value) for option, value in given.items()}}
+
+
+def _labelled(preset: str, fields: Mapping[str, Any]) -> dict[str, tuple[str, Any]]:
+    """Options of a preset by name, each with a label for messages, from the fields of a mission that it sets."""
+    named = {one.name: one.name_of_option for one in flat_fields()}
+    return {named[field]: _labelling(preset, value) for field, value in fields.items() if value is not None}
+
+
+def _labelling(preset: str, value: Any) -> tuple[str, Any]:
+    return f"preset {preset}, option", value
 
 
 def _camera_shape(values: Mapping[str, Any]) -> tuple[float, float] | None:

@@ -37,8 +37,17 @@ _WITH_SHIFT = tuple(_SHIFT + letter for letter in string.ascii_uppercase)
 #: Modifiers of keys that lead somewhere.
 _ALT = Qt.KeyboardModifier.AltModifier
 _ALT_SHIFT = _ALT | Qt.KeyboardModifier.ShiftModifier
+#: Property of what holds entries that only Tab leads to, as they are too many for letters.
+KEYLESS = "keyless"
 #: Objects with keys of their own.
 _OWN_KEYS = ("undo_area", "redo_area")
+
+
+def is_keyless(widget: QWidget | None) -> bool:
+    """Whether a widget lies in one that is `KEYLESS`."""
+    while widget is not None and not widget.property(KEYLESS):
+        widget = widget.parentWidget()
+    return widget is not None
 
 
 def ordered_widgets(layout: QLayout) -> Iterator[QWidget]:
@@ -168,7 +177,8 @@ class Letters(QObject):
     def __init__(self, panel: QWidget, pages: QTabWidget, sections: Sequence[QWidget], menu_keys: set[str]) -> None:
         super().__init__(panel)
         self._panel, self._menu_keys = panel, menu_keys
-        targets = [target for widget in ordered_widgets(panel.layout()) for target in _targets(widget)]
+        widgets = [one for one in ordered_widgets(panel.layout()) if not is_keyless(one)]
+        targets = [target for widget in widgets for target in _targets(widget)]
         always: list[Target] = []
         on_page: dict[QWidget, list[Target]] = {pages.widget(number): [] for number in range(pages.count())}
         in_section: dict[QWidget, list[Target]] = {section: [] for section in sections}

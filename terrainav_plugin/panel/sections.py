@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QLabel, QMenu, QWidget
+from qgis.PyQt.QtWidgets import QCompleter, QLabel, QMenu, QWidget
 
 from ...core.fields import declared_fields
 from ...core.geodesy.lens import LENS_FIELDS
-from ...core.mission.parts import FLAT_PARTS, LONGEST_SIDE, REALISM_PARTS, SHORTEST
+from ...core.mission.parts import (
+    BY_ISO,
+    BY_TIME,
+    FLAT_PARTS,
+    IDEAL,
+    LONGEST_SIDE,
+    REALISM_PARTS,
+    SHORTEST,
+    ImageSensor,
+)
 from ...core.mission.presets import CAMERA_KINDS
+from ...core.mission.sensors import CUSTOM, shipped_sensors
 from ..form.camera import shown_gsd
 from ..form.fields import field_label, field_tip
-from ..form.state import DECLARED, WITHOUT_ENTRY, FormState
+from ..form.state import DECLARED, FormState
 from ..form.text import short_place
 from ..i18n import number_text, tr
 from ..paths import icon
@@ -29,6 +39,7 @@ from ..widgets import (
     ShortLine,
     combo,
     folder_entry,
+    form_layout,
     named,
     push_button,
     row,
@@ -48,6 +59,7 @@ from .entries import (
     declared_tick,
     declared_widget,
 )
+from .keyboard import KEYLESS
 from .layers import BuildingsLine, LabelsLine, LayersLine
 from .presets import PresetChooser
 from .start import StartEntry
@@ -55,6 +67,8 @@ from .start import StartEntry
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
 
+#: Figures of an image sensor.
+_FIGURES = tuple(one.name for one in declared_fields(ImageSensor) if one.kind in (float, int))
 #: Largest values of the spin boxes, beyond the valid ones: messages explain invalid values.
 _HEIGHT, _GSD, _SIZE_PX = 1e9, 1e9, 1_000_000
 
@@ -356,12 +370,72 @@ class RealismSection(Section):
         tip = tr("Fills in the effects of a kind of camera; a test shot shows them beside the ideal image")
         self.kinds = PresetChooser("camera_kind", CAMERA_KINDS, tip, labelled=False)
         self._form.addRow(tr("Kind of camera"), self.kinds)
-        for name in LENS_FIELDS:
-            self.add_declared(name)
+        lens, *coefficients = LENS_FIELDS
+        self.add_declared(lens)
+        self.distortion = push_button("distortion", tr("Distortion"), tr("Show or hide the coefficients of the lens"))
+        self.distortion.setCheckable(True)
+        self.distortion.toggled.connect(self._show_rows)
+        self._form.addRow("", self.distortion)
+        self._coefficients = self._block(coefficients)
+        self._rows = {}
         for part in REALISM_PARTS:
-            for field in declared_fields(FLAT_PARTS[part]):
-                if field.name not in WITHOUT_ENTRY:
-                    self.add_declared(field.name)
+            names = [one.name for one in declared_fields(FLAT_PARTS[part])]
+            for name in names:
+                if name not in _FIGURES:
+                    self._rows[name] = self.add_declared(name, _entry(name))
+                elif name == _FIGURES[0]:
+                    self._figures = self._block(_FIGURES)
+        self.edited.connect(self._show_rows)
+        self._show_rows()
+
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state, and show the rows that apply."""
+        super().enter(state)
+        self._show_rows()
+
+    def _block(self, names: Sequence[str]) -> QWidget:
+        """Add the entries of fields that are shown and hidden together; return what holds them."""
+        block, outer = QWidget(), self._form
+        block.setProperty(KEYLESS, True)
+        self._form = form_layout(block)
+        for name in names:
+            self.add_declared(name)
+        self._form = outer
+        outer.addRow(block)
+        return block
+
+    def _show_rows(self, *_: object) -> None:
+        """Show the rows that apply to the choices made, and those of other values than the defaults."""
+        values, usual = self.values(), FormState()
+        exposure, sensor = values["exposure"], values["image_sensor"]
+        applies = {
+            "airlight": values["visibility_km"] is not None,
+            **dict.fromkeys(("f_number", "iso", "illuminance_lx"), exposure != IDEAL),
+            "metering": exposure in (BY_TIME, BY_ISO),
+            **dict.fromkeys(("shortest_exposure_ms", "longest_exposure_ms"), exposure == BY_TIME),
+            "highest_iso": exposure == BY_ISO,
+            **dict.fromkeys(("bayer", "demosaicing"), bool(sensor)),
+        }
+        for name, field in self._rows.items():
+            self.show_row(field, applies.get(name, True) or values[name] != getattr(usual, name))
+        for block, names, is_on in (
+            (self._coefficients, LENS_FIELDS[1:], self.distortion.isChecked()),
+            (self._figures, _FIGURES, sensor == CUSTOM),
+        ):
+            block.setVisible(is_on or any(values[name] != getattr(usual, name) for name in names))
+
+
+def _entry(name: str) -> QWidget:
+    """Widget for a field of a real camera."""
+    if name != "image_sensor":
+        return declared_widget(name)
+    line = declared_line(name)
+    line.setPlaceholderText(tr("ideal"))
+    names = QCompleter([*(one.name for one in shipped_sensors()), CUSTOM], line)
+    names.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
+    names.setFilterMode(Qt.MatchFlag.MatchContains)
+    line.setCompleter(names)
+    return line
 
 
 class RouteSection(Section):

@@ -7,8 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from qgis.PyQt.QtWidgets import QComboBox
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.mission.areas.area import Box
+from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.presets import CAMERA_KINDS, camera_kind_values
+from terrainav.terrainav_plugin.form.mission_form import mission, mission_state
 from terrainav.terrainav_plugin.form.presets import find_camera_kind
+from terrainav.terrainav_plugin.form.state import FormState
+from terrainav.terrainav_plugin.widgets import choose as choose_data
+
+AREA = Box(35.1550, -89.9000, 35.1540, -89.8990)
 
 
 def kinds(desk):
@@ -79,3 +87,46 @@ def test_a_test_shot_of_an_ideal_camera_is_one_image(desk):
     desk.wait(lambda: desk.group() is not None)
     desk.wait_for_run()
     assert len(desk.group().findLayers()) == 1
+
+
+@pytest.fixture
+def section(desk):
+    form = desk.form
+    form.pages.setCurrentIndex(3)
+    form.realism.setCollapsed(False)
+    yield form.realism
+    form.realism.setCollapsed(True)
+
+
+def test_rows_are_shown_for_what_is_chosen(desk, section):
+    entries = section.entries
+    for name in ("f_number", "metering", "highest_iso", "read_noise_e", "bayer", "airlight", "k1"):
+        assert not entries[name].isVisible(), name
+    choose_data(entries["exposure"], "iso")
+    assert entries["f_number"].isVisible()
+    assert entries["highest_iso"].isVisible()
+    assert not entries["longest_exposure_ms"].isVisible()
+    entries["image_sensor"].setText("custom")
+    assert entries["read_noise_e"].isVisible()
+    section.distortion.setChecked(True)
+    assert entries["k1"].isVisible()
+    section.distortion.setChecked(False)
+    entries["k1"].setValue(-0.1)
+    # What counts stays in sight.
+    assert entries["k1"].isVisible()
+    desk.form.set_state(FormState())
+
+
+def test_a_lens_is_kept_from_mission_to_mission(desk, section):
+    camera = Camera(70.0, k1=-0.1, p1=0.001, principal_x=0.01, red_scale=0.0005)
+    desk.form.set_state(mission_state(Mission(AREA, 100.0, camera), ""))
+    assert mission(desk.session.state()).camera == camera
+    assert section.entries["k1"].isVisible()
+    desk.form.set_state(FormState())
+
+
+def test_a_lens_that_folds_is_told_at_its_entry(desk, section):
+    desk.form.set_state(mission_state(Mission(AREA, 100.0, Camera(70.0)), ""))
+    section.entries["k1"].setValue(-3.0)
+    desk.wait(lambda: "folds the image" in desk.form.marks.message("k1"))
+    desk.form.set_state(FormState())

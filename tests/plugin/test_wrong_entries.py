@@ -50,6 +50,19 @@ MORE_TEXTS = {
 #: Choices that between them show every number entry.
 CHOICES = (
     {"facing": "10", "resize": True, "wind": True},
+    {
+        "exposure": "time",
+        "exposure_ms": 1.0,
+        "visibility_km": 10.0,
+        "k1": 1e-6,
+        "image_sensor": "custom",
+        "pixel_um": 3.0,
+        "quantum_efficiency": 0.6,
+        "full_well_e": 10_000.0,
+        "read_noise_e": 2.0,
+        "adc_bits": 12,
+    },
+    {"exposure": "iso", "exposure_ms": 1.0},
     {"elevation": ("60",), "labels": ("fields.gpkg",), "buildings": ("houses.gpkg",)},
     {"fov_mode": "horizontal", "fov_typed_deg": 60.0, "resolution": "zoom", "zoom": 17},
     {
