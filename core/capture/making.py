@@ -313,7 +313,8 @@ class ImageMaker:
     def _trace(self, job: PictureJob) -> list[Part]:
         """Trace the rays of an image over relief, once, and find its parts."""
         shot = cast(Shot, job.shot)
-        tiles = shot.trace(with_sighting=job.products is not None or job.development is not None)
+        needs_range = job.development is not None and job.development.needs_range
+        tiles = shot.trace(with_sighting=job.products is not None or needs_range)
         return self.parts.keep(shot.index, tiles)
 
     def _find_last_users(self, order: list[int], orders: Orders) -> Callable[[Window], int] | None:

@@ -58,6 +58,11 @@ class Development:
         """The way of a capture's picture; None for an ideal camera."""
         return cls(plan, index) if plan.mission.varied.vary or effects(plan.mission) else None
 
+    @property
+    def needs_range(self) -> bool:
+        """Whether effects ask for the distance of what the pixels show."""
+        return self.plan.settings(self.index).air.visibility_km is not None
+
     def develop(
         self, pixels: PixelValues, shot: MapShot | Shot, colours: int
     ) -> tuple[PixelValues, Facts, RawValues | None]:

@@ -74,11 +74,17 @@ class PictureScene:
     @cached_property
     def range_m(self) -> Floats:
         """Slant range from the camera to what each pixel shows, (h, w); infinite where it shows sky."""
-        if self.plan.relief.is_level and not self.plan.frames.on_map:
-            return self._level_range_m()
+        right, down = self.tangents
+        if self.plan.relief.is_level:
+            if not self.plan.frames.on_map:
+                return self._level_range_m()
+            # The camera of a map frame looks straight down; that the Earth is no sphere does not matter to it.
+            across = np.broadcast_arrays(right, -down, -1.0)
+            pose = self.plan.poses.take(np.array([self.index]))
+            rays = np.moveaxis(np.stack(across), 0, -1)
+            return distances_m(pose.lat_deg[0], pose.agl_m[0], rays, self.plan.ground)
         from .products import sighting
 
-        right, down = self.tangents
         depth_m = sighting(self.plan, self.index, self.size_px, self.shot).depth_m
         return np.where(np.isfinite(depth_m), depth_m * np.sqrt(1.0 + right**2 + down**2), np.inf)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -22,7 +23,7 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.picture.effects import check_bands, effects
 from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.photometry import exposure_s
-from terrainav.core.picture.products import products
+from terrainav.core.picture.products import products, sighting
 from terrainav.core.picture.scene import Light, PictureScene
 from terrainav.core.picture.shot import make_shot
 
@@ -284,12 +285,37 @@ def test_ranges_are_those_to_the_ellipsoid(halves, tilt_deg):
     assert scene.range_m == pytest.approx(ranges_m(tilt_deg, 400.0, *scene.range_m.shape), rel=1e-7)
 
 
-def test_ranges_of_map_frames(white):
-    planned = plan(mission_of(white, 3000.0), open_source(white).grid)
+@pytest.mark.parametrize("yaw_deg", [0.0, 90.0])
+def test_ranges_of_map_frames_are_those_of_their_depth(white, yaw_deg):
+    planned = plan(mission_of(white, 3000.0, yaw_deg=yaw_deg), open_source(white).grid)
     assert planned.frames.on_map
     scene = PictureScene(planned, 0, make_shot(planned, 0))
     right, down = scene.tangents
-    assert scene.range_m == pytest.approx(3000.0 * np.sqrt(1.0 + right**2 + down**2), rel=1e-3)
+    depth_m = sighting(planned, 0, scene.size_px, scene.shot).depth_m
+    assert scene.range_m == pytest.approx(depth_m * np.sqrt(1.0 + right**2 + down**2), rel=1e-6)
+
+
+def test_ranges_end_at_buildings(tmp_path, white):
+    """A tower of 60 m, 100 m ahead of a camera at 80 m that looks at its wall."""
+    from_east_north = Transformer.from_crs(EPSG, 4326, always_xy=True)
+    corners = [(-40, 100), (40, 100), (40, 140), (-40, 140), (-40, 100)]
+    ring = [from_east_north.transform(EAST + east, NORTH + north) for east, north in corners]
+    house = {"type": "Feature", "properties": {"HEIGHT": 60.0}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+    (tmp_path / "tower.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [house]}))
+    flat = np.zeros((1, 100, 100))
+    transform = (EAST - 2000.0, 40.0, 0.0, NORTH + 2000.0, 0.0, -40.0)
+    heights = rasters.write(tmp_path / "flat.tif", flat, transform, EPSG, data_type=gdal.GDT_Float32)
+    asked = {"elevation": (str(heights),), "buildings": (str(tmp_path / "tower.geojson"),), "tilt_deg": 60.0}
+    mission = mission_of(white, 80.0, building_height_field="HEIGHT", image_px=160, **asked)
+    planned = plan(mission, open_source(white).grid, mission_heights(mission))
+    scene = PictureScene(planned, 0, make_shot(planned, 0))
+    right, down = scene.tangents
+    # The wall is a plane 100 m to the north; rays have the component sin(tilt) + up cos(tilt) along it.
+    north = math.sin(math.radians(60.0)) - down * math.cos(math.radians(60.0))
+    wall_m = 100.0 / north * np.sqrt(1.0 + right**2 + down**2)
+    width, height = scene.size_px
+    middle = np.s_[height * 15 // 32 : height * 17 // 32, width * 2 // 5 : width * 3 // 5]
+    assert scene.range_m[middle] == pytest.approx(np.broadcast_to(wall_m, scene.range_m.shape)[middle], rel=1e-3)
 
 
 @pytest.mark.parametrize("frame", ["camera", "rolling"])
