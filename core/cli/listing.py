@@ -173,7 +173,7 @@ def _remove_source(arguments: argparse.Namespace) -> int:
 
 def run_cameras(arguments: argparse.Namespace) -> int:
     """List, add or remove cameras."""
-    actions = {"add": _add_camera, "remove": _remove_camera}
+    actions = {"add": _add_camera, "remove": _remove_camera, "sensors": _list_sensors}
     return actions.get(arguments.action or "", _list_cameras)(arguments)
 
 
@@ -208,6 +208,23 @@ def _list_cameras(arguments: argparse.Namespace) -> int:
     for preset in presets:
         camera, mark = preset.camera, " (your own)" if preset.user else ""
         print(f"{preset.name:26s}{camera.fov_deg:6.1f} deg diagonal, {camera.aspect_ratio:.3f} : 1{mark}")
+    return DONE
+
+
+def _list_sensors(arguments: argparse.Namespace) -> int:
+    from ..mission.sensors import shipped_sensors
+
+    presets = shipped_sensors()
+    if arguments.json:
+        rows = [{"name": one.name, **one.figures, "source": one.source} for one in presets]
+        print(json.dumps(rows, indent=1, ensure_ascii=False))
+        return DONE
+    for one in presets:
+        figures = one.figures
+        print(
+            f"{one.name:34s}{figures['pixel_um']:5g} µm, {figures['quantum_efficiency']:.0%}, "
+            f"{figures['full_well_e']:,.0f} e-, read noise {figures['read_noise_e']:g} e-"
+        )
     return DONE
 
 

@@ -429,6 +429,8 @@ def _add_cameras(listing: argparse.ArgumentParser) -> None:
 
     removing = actions.add_parser("remove", help="remove one of your cameras")
     removing.add_argument("name", metavar="NAME")
+    sensors = actions.add_parser("sensors", help="list image sensors, with figures of their data sheets")
+    add_json(sensors, argparse.SUPPRESS)
 
 
 def _add_cache(caching: argparse.ArgumentParser) -> None:

@@ -103,3 +103,13 @@ def test_two_terms_of_one_camera_are_refused(run):
     done = run("plan", "--coords", "35_-89_120", "--hfov", "70", "--vfov", "50")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "terrainav: hfov 70.0 and vfov 50.0: give one of the two\n"
+
+
+def test_image_sensors_are_listed_with_their_sources(run):
+    listed = run("cameras", "sensors")
+    assert (listed.returncode, listed.stderr) == (0, "")
+    line = "Allied Vision Alvium 1800 C-507m   3.45 µm, 64%, 10,400 e-, read noise 2.1 e-"
+    assert line in listed.stdout.splitlines()
+    sensors = {one["name"]: one for one in json.loads(run("cameras", "sensors", "--json").stdout)}
+    assert sensors["FRAMOS IMX900 low gain"]["prnu"] == 0.007
+    assert all("data sheet" in one["source"] for one in sensors.values())

@@ -30,8 +30,8 @@ class ImageSensor(CheckedFields):
     image_sensor: str = declared(
         "",
         title="image sensor",
-        help="sensor whose noise, saturation and quantisation images have, after EMVA 1288: a name as docs/realism.md "
-        "lists them, or custom for figures of your own; left out, the sensor is ideal",
+        help="sensor whose noise, saturation and quantisation images have, after EMVA 1288: a name, as "
+        "terrainav cameras sensors lists them, or custom for figures of your own; left out, the sensor is ideal",
         advanced=True,
         check=_check_sensor,
     )
