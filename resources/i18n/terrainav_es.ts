@@ -15818,8 +15818,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/sensor.py"/>
-        <source>sensor whose noise, saturation and quantisation images have, after EMVA 1288: a name as docs/realism.md lists them, or custom for figures of your own; left out, the sensor is ideal</source>
-        <translation>sensor cuyo ruido, saturación y cuantización tienen las imágenes, según EMVA 1288: un nombre de los que enumera docs/realism.md, o custom para cifras propias; si se omite, el sensor es ideal</translation>
+        <source>sensor whose noise, saturation and quantisation images have, after EMVA 1288: a name, as terrainav cameras sensors lists them, or custom for figures of your own; left out, the sensor is ideal</source>
+        <translation>sensor cuyo ruido, saturación y cuantización tienen las imágenes, según EMVA 1288: un nombre de los que enumera terrainav cameras sensors, o custom para cifras propias; si se omite, el sensor es ideal</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/sensor.py"/>
