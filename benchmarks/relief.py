@@ -6,6 +6,7 @@
     python benchmarks/relief.py --cliffs 10000        # images of random scenes with cliffs, in six systems
     python benchmarks/relief.py --images              # whole images a second, with numpy and with numba; with --dsm too
     python benchmarks/relief.py --buildings           # whole images a second with and without 2,000 buildings
+    python benchmarks/relief.py --lenses              # milliseconds an image through lenses that distort
     python benchmarks/relief.py --pictures docs/images  # makes the page's pictures; with --dsm both
 
 A march goes along each ray in steps of half a cell until it is below the surface, and halves the last one ten times: it
@@ -49,6 +50,12 @@ from terrainav.core.picture.shot import draw, make_shot, picture_parts
 
 ROOT = Path(__file__).resolve().parents[1]
 CAMERA, SIZE = Camera(78.8, 4.0 / 3.0), (640, 480)
+LENSES = {
+    "ideal, 60°": Camera(60.0, 4.0 / 3.0),
+    "k1 = -0.3, 60°": Camera(60.0, 4.0 / 3.0, k1=-0.3),
+    "ideal, 120°": Camera(120.0, 4.0 / 3.0),
+    "fisheye, 150°": Camera(150.0, 4.0 / 3.0, lens="fisheye"),
+}
 TILTS, HEIGHTS_M = (0.0, 30.0, 60.0, 85.0), (120.0, 500.0)
 REPEATS = 3
 TOWN = (35.1408, -89.8606)
@@ -240,12 +247,13 @@ def whole_image(
     at: tuple[float, float],
     agl: float = 120.0,
     buildings: tuple[str, ...] = (),
+    camera: Camera = CAMERA,
 ) -> Callable[[], object]:
     """Work of one capture in memory: find its tiles, draw it, encode it as JPEG. All tiles show the same texture."""
     mission = Mission(
         Points(((*at, agl),)),
         agl,
-        CAMERA,
+        camera,
         source="world",
         elevation=elevation,
         buildings=buildings,
@@ -347,6 +355,46 @@ def buildings() -> None:
             print(f"| {tilt:g}° | {np.count_nonzero(seen):,} | {' | '.join(found)} |", flush=True)
 
 
+def lenses() -> None:
+    """Print what images through lenses take, beside those of ideal cameras, with numpy and with numba in turns."""
+    compile_code()
+    at, agl = (45.0, 7.0), 300.0
+    print("| ground | tilt | lens | tracing, numpy | whole image | tracing, numba | whole image |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    with tempfile.TemporaryDirectory() as folder:
+        hills, town = (hills_file(Path(folder), 4),), (footprints_file(Path(folder), at),)
+        for ground, buildings in (("hills", ()), ("hills with buildings", town)):
+            for tilt in (0.0, 60.0):
+                works = {name: _lens_works(hills, tilt, at, agl, buildings, lens) for name, lens in LENSES.items()}
+                best = {(name, code): [np.inf, np.inf] for code in ("numpy", "numba") for name in LENSES}
+                for turn in range(REPEATS + 1):
+                    for (name, code), found in best.items():
+                        with compiling.without_numba() if code == "numpy" else nullcontext():
+                            taken = [timed(work, 1) for work in works[name]]
+                        if turn:
+                            found[:] = [min(pair) for pair in zip(found, taken)]
+                for name in LENSES:
+                    row = [f"{1e3 * one:.0f} ms" for code in ("numpy", "numba") for one in best[name, code]]
+                    print(f"| {ground} | {tilt:g}° | {name} | {' | '.join(row)} |", flush=True)
+
+
+def _lens_works(
+    elevation: tuple[str, ...],
+    tilt: float,
+    at: tuple[float, float],
+    agl: float,
+    buildings: tuple[str, ...],
+    camera: Camera,
+) -> tuple[Callable[[], object], Callable[[], object]]:
+    """Tracing of one image with all of its ground points, and all work of it."""
+    mission = Mission(
+        Points(((*at, agl),)), agl, camera, source="world", elevation=elevation, buildings=buildings, tilt_deg=tilt,
+        yaw_deg=30.0, upsample=True,
+    )  # fmt: skip
+    made = plan(mission, open_source("world").grid, mission_heights(mission))
+    return lambda: made.views.tracing(0).sighting, whole_image(elevation, tilt, at, agl, buildings, camera)
+
+
 def side_by_side(path: Path, pictures: list[tuple[str, np.ndarray]]) -> None:
     """Write pictures beside each other, each with its title."""
     width = sum(picture.shape[1] for _, picture in pictures) + 8 * (len(pictures) - 1)
@@ -411,7 +459,11 @@ def main() -> None:
     parser.add_argument("--buildings", action="store_true", help="measure whole images with buildings")
     parser.add_argument("--scenes", type=int, help="random scenes to look at")
     parser.add_argument("--cliffs", type=int, help="random scenes with cliffs to look at")
+    parser.add_argument("--lenses", action="store_true", help="measure images through lenses")
     asked = parser.parse_args()
+    if asked.lenses:
+        lenses()
+        return
     if asked.cliffs:
         cliffs(asked.cliffs)
         return

@@ -290,3 +290,39 @@ def test_rows_are_those_of_the_whole_picture(camera, town):
     assert np.mean(~(off < 1e-4) & np.isfinite(depth)) < 2e-3
     assert np.mean(found.instance != wanted.instance[slice(*rows)]) < 1e-3
     assert (found.kind == ROOF).any()
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 50.0, 75.0])
+def test_the_box_of_the_ground_holds_all_that_the_pixels_see(camera, tilt_deg):
+    rng = np.random.default_rng(3)
+    ground = 100.0 + np.cumsum(rng.normal(0.0, 1.0, (160, 160)), axis=1)
+    made = tracing_of(camera, NO_FACES, tilt_deg, ground=ground, height_m=float(ground.max()) + 80.0)
+    seen = made.sighting
+    u, v = GRID.plane.forward(seen.lat_deg, seen.lon_deg)
+    west, north, east, south = made.box(GRID)
+    assert np.isfinite(u).sum() > 1000
+    assert west <= np.nanmin(u)
+    assert np.nanmax(u) <= east
+    assert north <= np.nanmin(v)
+    assert np.nanmax(v) <= south
+
+
+@pytest.mark.parametrize("rise_m", [1e-3, 3.0])
+def test_level_ground_stands_for_relief_only_where_no_pixel_shows_the_difference(camera, rise_m):
+    rng = np.random.default_rng(3)
+    made = tracing_of(camera, NO_FACES, 0.0, ground=100.0 + rng.uniform(0.0, rise_m, (160, 160)), height_m=350.0)
+    if rise_m > 1.0:
+        assert made.level_m is None
+        return
+    assert made.level_m == pytest.approx(100.0 + rise_m / 2.0, abs=rise_m / 2.0)
+    row, column, _ = all_pixels(made)
+    seen = made.sighting
+    at = np.isfinite(seen.depth_m)
+    level = tracing_of(camera, NO_FACES, 0.0, ground=np.full((160, 160), made.level_m), height_m=350.0).sighting
+    place = *made.place, made.height_m
+    points = (geocentric(level.lat_deg[at], level.lon_deg[at], seen.height_m[at]) - geocentric(*place)) @ enu_axes(
+        *place[:2]
+    ).T
+    px = seen_by_opencv(camera, *(points @ axes_of(made).T).T)
+    centres = np.stack([column + 0.5, row + 0.5], axis=1)[at.ravel()]
+    assert np.hypot(*(px - centres).T).max() < TOLERANCE_PX
