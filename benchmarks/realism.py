@@ -16,16 +16,13 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 from PIL import Image, ImageDraw
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.imagery.source import Source
 from terrainav.core.mission.plan import Plan
-
-if TYPE_CHECKING:
-    from terrainav.core.imagery.source import Source
-    from terrainav.core.mission.plan import Plan
 
 WIDTH, HEIGHT = 640, 480
 
@@ -101,7 +98,6 @@ def cv(run: Callable[[], object]) -> tuple[str, float]:
 
 def planned(agl_m: float = 120.0, **values: object) -> tuple[Plan, Source]:
     """Plan of one image of the synthetic world, and the world."""
-    from terrainav.core.geodesy.camera import Camera
     from terrainav.core.imagery.opening import named_source
     from terrainav.core.mission.areas.area import Points
     from terrainav.core.mission.mission import Mission
@@ -197,7 +193,6 @@ def sensor_costs() -> None:
 def sensor_picture(folder: Path) -> None:
     """Crops of one image with shorter exposures at higher speeds, without and with a Bayer pattern."""
     from terrainav.core.capture.runner import capture
-    from terrainav.core.geodesy.camera import Camera
     from terrainav.core.imagery.opening import named_source
     from terrainav.core.mission.areas.area import Points
     from terrainav.core.mission.mission import Mission
@@ -278,7 +273,6 @@ def varied_picture(folder: Path) -> None:
     """Images of one place whose pose, light and air vary, above the same without effects on light."""
     from terrainav.core.capture.runner import capture
     from terrainav.core.dataset.dataset import read_dataset
-    from terrainav.core.geodesy.camera import Camera
     from terrainav.core.imagery.opening import named_source
     from terrainav.core.mission.areas.area import Points
     from terrainav.core.mission.mission import Mission
@@ -308,7 +302,6 @@ def varied_picture(folder: Path) -> None:
 
 def moving(**values: object) -> Plan:
     """Plan of two points that a camera passes at 20 m/s, turning to a yaw in a second."""
-    from terrainav.core.geodesy.camera import Camera
     from terrainav.core.geodesy.mercator import PixelGrid
     from terrainav.core.mission.areas.area import Points
     from terrainav.core.mission.mission import Mission
@@ -384,8 +377,58 @@ def shutter_picture(folder: Path) -> None:
     _sheet(crops, list(images), len(crops), 1).save(folder / "realism-shutter.jpg", quality=72, optimize=True)
 
 
+def lens_costs() -> None:
+    """Tracing an image over relief with houses through lenses, beside ideal cameras and OpenCV's maps of a lens."""
+    for name, (camera, ideal) in LENSES.items():
+        views, ideals = (_town(one, 640)[0].views for one in (camera, ideal))
+        ours = milliseconds(lambda views=views: views.view(0))
+        show(f"lens over relief, {name}", ours, "ideal", milliseconds(lambda ideals=ideals: ideals.view(0)))
+    matrix, factors = np.array([[690.0, 0, 320], [0, 690.0, 240], [0, 0, 1]]), np.array([-0.3, 0, 0, 0, 0])
+    grid = np.mgrid[:HEIGHT, :WIDTH][::-1].reshape(2, -1).T.astype(np.float32)
+    points = cv2.undistortPoints(grid[:, np.newaxis], matrix, factors, P=matrix).reshape(HEIGHT, WIDTH, 2)
+    image, (x, y) = np.zeros((HEIGHT, WIDTH, 3), np.uint8), np.moveaxis(points, 2, 0).copy()
+    show("  OpenCV bending an ideal image, by its maps", milliseconds(lambda: cv2.remap(image, x, y, cv2.INTER_LINEAR)))
+
+
+def lens_picture(folder: Path) -> None:
+    """A town of the embedded world, ideal and through two lenses."""
+    from terrainav.core.picture.shot import draw, make_shot, picture_parts
+
+    cameras = {"ideal, 79°": Camera(78.8, 4.0 / 3.0), **{name: camera for name, (camera, _) in LENSES.items()}}
+    crops = []
+    for camera in cameras.values():
+        made, source = _town(camera, 280)
+        parts = picture_parts(made, source, 0)
+        pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
+        crops.append(Image.fromarray(draw(make_shot(made, 0), parts, pixels).pixels[..., :3]))
+    _sheet(crops, list(cameras), len(crops), 1).save(folder / "realism-lens-town.jpg", quality=80, optimize=True)
+
+
+def _town(camera: Camera, image_px: int) -> tuple[Plan, Source]:
+    """Plan of one image of houses, and its source."""
+    from terrainav.core.imagery.opening import open_source
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+    from terrainav.core.picture.heights import mission_heights
+
+    mission = Mission(
+        Points(((35.1408, -89.8606, 60.0),)), 60.0, camera, source="world", elevation=("world",), tilt_deg=50.0,
+        yaw_deg=20.0, upsample=True, image_px=image_px,
+    )  # fmt: skip
+    source = open_source("world")
+    return plan(mission, source.grid, mission_heights(mission)), source
+
+
+#: Lenses, and ideal cameras that see about as much.
+LENSES = {
+    "k1 = -0.3, 60°": (Camera(60.0, 4.0 / 3.0, k1=-0.3), Camera(65.0, 4.0 / 3.0)),
+    "fisheye, 150°": (Camera(150.0, 4.0 / 3.0, lens="fisheye"), Camera(120.0, 4.0 / 3.0)),
+}
+
 #: Costs and picture of each effect.
 EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
+    "lens over relief": (lens_costs, lens_picture),
     "light": (light_costs, light_pictures),
     "shutter": (shutter_costs, shutter_picture),
     "sensor": (sensor_costs, sensor_picture),

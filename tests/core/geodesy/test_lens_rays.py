@@ -242,13 +242,11 @@ def test_points_of_the_products_project_to_their_pixels(camera, town, is_compile
     ).T
     right, down, ahead = (points @ axes_of(made).T).T
     row, column = np.nonzero(at)
-    wanted, bound = np.stack([column + 0.5, row + 0.5], axis=1), 1e-3
+    wanted = np.stack([column + 0.5, row + 0.5], axis=1)
     px = seen_by_opencv(camera, right, down, ahead)
     is_face = seen.kind[at] != RELIEF
-    assert px[is_face] == pytest.approx(wanted[is_face], abs=bound)
-    # Points of relief are within the tolerance of their rays, and depths are theirs.
-    assert px[~is_face] == pytest.approx(wanted[~is_face], abs=TOLERANCE_PX)
-    assert np.mean(np.abs(px - wanted) < bound) > 0.99
+    assert px[is_face] == pytest.approx(wanted[is_face], abs=1e-6)
+    assert px == pytest.approx(wanted, abs=1e-3)
     assert ahead == pytest.approx(seen.depth_m[at], rel=1e-4)
     normals = seen.normals[at]
     assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(normals)), abs=1e-9)
