@@ -20,12 +20,15 @@ from typing import IO, Any
 from ..dataset.folder import clean_type
 from ..errors import OutputError
 from ..limits import MAX_JOURNAL_LINE_BYTES, MAX_TABLE_BYTES
+from ..mission.takes import RATE_COLUMNS
 from ..storage.files import open_locked, open_own
 from ..storage.store_requests import larger_than
 from ..text.safe_json import parse_json
 
 DONE = "done"
 FAILED = "failed"
+#: Facts of where an image shows what, which hold without the effects on light, too.
+_OF_GEOMETRY = {"row_time_us", *RATE_COLUMNS, "east_m", "north_m"}
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,8 @@ class Outcome:
     def of_clean(self) -> Outcome:
         """Outcome of the image without the effects of a real camera."""
         entropy, size_bytes = self.clean or (None, 0)
-        return replace(self, map_type=clean_type(self.map_type), entropy=entropy, size_bytes=size_bytes, facts=())
+        facts = tuple(one for one in self.facts if one[0] in _OF_GEOMETRY)
+        return replace(self, map_type=clean_type(self.map_type), entropy=entropy, size_bytes=size_bytes, facts=facts)
 
     def to_line(self) -> bytes:
         """Line of the journal."""

@@ -456,7 +456,8 @@ def _check_exposure(plan: Plan) -> None:
     exposure_ms = mission.varied.greatest(field, stated_ms)
     between_s = np.diff(plan.times_s)
     between_s = between_s[between_s > 0.0]
-    read_ms = plan.mission.shutter.row_time_us / 1000.0 * (int(plan.frames.height_px.max()) - 1)
+    row_time_us = mission.varied.greatest("row_time_us", mission.shutter.row_time_us) or 0.0
+    read_ms = row_time_us / 1000.0 * (int(plan.frames.height_px.max()) - 1)
     open_ms = (exposure_ms or 0.0) + read_ms
     if not len(between_s) or open_ms / 1000.0 <= between_s.min():
         return

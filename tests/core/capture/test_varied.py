@@ -126,6 +126,17 @@ def test_clean_images_are_those_of_an_ideal_camera(tmp_path, monkeypatch, image_
         assert values_of(tmp_path / "real" / "satellite" / name).mean() < 0.9 * wanted.mean()
 
 
+def test_clean_images_state_their_geometry(tmp_path):
+    flight = {"exposure_ms": 1.0, "motion_blur": True, "visibility_km": 9.0, "keep_clean": True}
+    capture(planned("row_time_us=uniform(10,60)", "east_m=uniform(-5,5)", **flight), SOURCE.open(), tmp_path)
+    real, clean = (table_of(tmp_path, name).other for name in ("satellite", "satellite_clean"))
+    assert {"row_time_us", "east_m", "speed_east_m_per_s", "yaw_rate_deg_per_s"} <= set(clean)
+    assert {"exposure_ms", "motion_blur_px", "visibility_km", "airlight"} == set(real) - set(clean) - {
+        "exposure_instants"
+    }
+    assert all(clean[name] == real[name] for name in clean)
+
+
 def test_clean_images_are_sharp(tmp_path):
     """In the middle of the exposure: what an ideal camera sees from there."""
     flight = {"frame": "camera", "airspeed_m_per_s": 20.0, "exposure_ms": 100.0}
