@@ -169,7 +169,7 @@ def read_out(detector: Detector, exposure_lx_s: Singles, time_s: float, seed: in
     seed : int
         Seed of everything random; that of the patterns, which all images share.
     image : str
-        Name of the image, on which its temporal noise depends.
+        Text that names the image, on which its temporal noise depends.
     """
     height, width, *colours = exposure_lx_s.shape
     of_pixel = colours[0] if colours else 1

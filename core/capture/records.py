@@ -250,7 +250,7 @@ def image_job(
         None if products_in is None else (plan, products_in),
         write,
         labels,
-        Development.of(plan, index),
+        Development.of(plan, index, map_type),
         mission.varied.keep_clean,
     )
 

@@ -52,11 +52,12 @@ class Development:
 
     plan: Plan
     index: int
+    map_type: str = ""
 
     @classmethod
-    def of(cls, plan: Plan, index: int) -> Development | None:
+    def of(cls, plan: Plan, index: int, map_type: str = "") -> Development | None:
         """The way of a capture's picture; None for an ideal camera."""
-        return cls(plan, index) if plan.mission.varied.vary or effects(plan.mission) else None
+        return cls(plan, index, map_type) if plan.mission.varied.vary or effects(plan.mission) else None
 
     @property
     def needs_range(self) -> bool:
@@ -73,7 +74,7 @@ class Development:
         colours : int
             Number of channels that show light; those after them, a mask, stay as they are.
         """
-        scene, drawn = PictureScene(self.plan, self.index, shot), self.plan.drawn(self.index)
+        scene, drawn = PictureScene(self.plan, self.index, shot, self.map_type), self.plan.drawn(self.index)
         chain = effects(scene.mission)
         if not chain:
             return pixels, tuple(drawn.items()), None

@@ -33,6 +33,7 @@ class PictureScene:
     plan: Plan
     index: int
     shot: MapShot | Shot
+    map_type: str = ""
 
     @cached_property
     def mission(self) -> Mission:
@@ -43,6 +44,14 @@ class PictureScene:
     def name(self) -> str:
         """Name of the image, which seeds what is random in it."""
         return self.plan.names[self.index]
+
+    @property
+    def exposure_key(self) -> str:
+        """Name of the image and of its imagery, as two imageries of one place have noise of their own."""
+        imagery = self.mission.imagery
+        # A file has the same key wherever it is.
+        source = imagery.source if "://" in imagery.source else imagery.source.replace("\\", "/").rpartition("/")[2]
+        return "/".join((self.name, self.map_type, imagery.date, source))
 
     @property
     def size_px(self) -> tuple[int, int]:

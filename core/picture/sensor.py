@@ -66,7 +66,7 @@ class SensorReadout:
         if self.bayer != NO_BAYER:
             exposure = mosaic(exposure, self.bayer)
         scene = light.scene
-        raw = read_out(detector, exposure, exposure_s, scene.mission.imagery.seed, scene.name)
+        raw = read_out(detector, exposure, exposure_s, scene.mission.imagery.seed, scene.exposure_key)
         saturated = float(np.mean(raw >= detector.saturated_dn))
         light.facts.update(gain_dn_per_e=detector.gain_dn_per_e, saturated_share=saturated)
         found = detector.exposure_lx_s(raw)

@@ -23,6 +23,8 @@ from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.effects import Development, check_bands
+from terrainav.core.picture.scene import Light, PictureScene
+from terrainav.core.picture.sensor import SensorReadout
 from terrainav.core.picture.shot import make_shot
 
 ALVIUM = "Allied Vision Alvium 1800 C-507m"
@@ -183,3 +185,20 @@ def test_any_blocks_make_the_same_images_and_raw_values(tmp_path):
     with tarfile.open(shard) as members:
         kept = {name: members.extractfile(name).read() for name in members.getnames() if name.endswith(".raw.tif")}
     assert sorted(kept.values()) == sorted(path.read_bytes() for path in (tmp_path / "whole" / "raw").glob("*.tif"))
+
+
+def test_imageries_of_one_place_have_noise_of_their_own():
+    named = named_source("world").open()
+    values = {"image_sensor": "custom", "pixel_um": 5.0, "quantum_efficiency": 0.5, "full_well_e": 5_000.0}
+
+    def noise(map_type="satellite", **imagery):
+        made = plan(mission_of(POSES[:1], **values, **imagery), named.grid)
+        light = Light(np.full((96, 128, 3), 0.5, np.float32), PictureScene(made, 0, make_shot(made, 0), map_type))
+        SensorReadout.of(made.mission).apply(light)
+        return light.values.ravel()
+
+    usual = noise()
+    for other in (noise("roadmap"), noise(date="2014"), noise(source="other.tif")):
+        assert abs(np.corrcoef(usual, other)[0, 1]) < 5.0 / math.sqrt(usual.size)
+    assert (noise(source="here/naip.tif") == noise(source="C:\\there\\naip.tif")).all()
+    assert (usual == noise()).all()
