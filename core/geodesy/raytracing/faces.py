@@ -250,19 +250,20 @@ def _draw_points(
     """`_draw_rows` at any points of pixels."""
     of_row, row = rows
     which, column = expand_counts(boxes[of_row, 2] - boxes[of_row, 0])
-    one = of_row[which]
-    pixel = row[which] * rays.width + column + boxes[one, 0]
-    x, y = (at.ravel() for at in rays.grid)
-
-    def at_pixels(k: int) -> Floats:
-        constant, per_x, per_y = forms[one, k].T
-        values: Floats = (constant + y[pixel] * per_y) + x[pixel] * per_x
-        return values
-
-    for k in range(3):
-        inside = np.flatnonzero(at_pixels(k) >= 0.0)
-        one, pixel = one[inside], pixel[inside]
-    _keep_nearest(one, pixel, at_pixels(3), nearness, triangle)
+    column += boxes[of_row, 0][which]
+    # With the pixels around the image, as the points are.
+    wide = rays.width + 2
+    place = (row[which] + 1) * wide + column + 1
+    x, y = (at.ravel().take(place) for at in rays.points)
+    for k in range(4):
+        constant, per_x, per_y = (forms[of_row, k, term].take(which) for term in range(3))
+        value: Floats = (constant + y * per_y) + x * per_x
+        if k < 3:
+            inside = np.flatnonzero(value >= 0.0)
+            which, place = which.take(inside), place.take(inside)
+            x, y = x.take(inside), y.take(inside)
+    pixel = (place // wide - 1) * rays.width + place % wide - 1
+    _keep_nearest(of_row[which], pixel, value, nearness, triangle)
 
 
 def _keep_nearest(one: Numbers, pixel: Numbers, value: Floats, nearness: Floats, triangle: Numbers) -> None:
