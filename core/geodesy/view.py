@@ -156,8 +156,11 @@ class View:
             rows = max(_BATCH // ((right - left) * patches.samples_x * patches.samples_y), 1)
             for start in range(top, bottom, rows):
                 row, column = (index.ravel() for index in np.mgrid[start : min(start + rows, bottom), left:right])
-                x, y = _sample_points(row, column, patches.samples_x, patches.samples_y)
-                du, v, _ = self.rays.map_points(x, y)
+                if self.rays.distorts and patches.samples_x * patches.samples_y == 1:
+                    du, v = self.rays.map_centres(row[:, np.newaxis], column[:, np.newaxis])
+                else:
+                    x, y = _sample_points(row, column, patches.samples_x, patches.samples_y)
+                    du, v, _ = self.rays.map_points(x, y)
                 yield Samples(patches.zoom, row, column, du, v)
 
     def areas(self, zoom: int) -> Iterator[Areas]:
@@ -661,6 +664,12 @@ class ImageRays(NamedTuple):
         """World fractions from the camera's meridian (or the plane's west) and from the north, and which rays hit."""
         seen = self.ground(x_px, y_px)
         return *self.plane.seen(seen.lat_deg, self.scene.poses.lon_deg[0], seen.dlon_deg), seen.hit
+
+    def map_centres(self, row: Numbers, column: Numbers) -> tuple[Floats, Floats]:
+        """World fractions, as `map_points` has them, seen by the centres of pixels of a distorted image."""
+        x, y = _ideal_centres(self.scene.camera, *self.scene.one_size_px)
+        seen = self.ideal_ground(x[row + self.top_px, column], y[row + self.top_px, column] - self.top_px)
+        return self.plane.seen(seen.lat_deg, self.scene.poses.lon_deg[0], seen.dlon_deg)
 
     def on_map(self, v: Floats) -> NDArray[np.bool_]:
         """Whether positions lie on the map, or within the plane's projection."""
