@@ -190,10 +190,12 @@ def test_values_of_light_go_to_its_effects():
 
 
 def test_the_longest_exposure_that_may_be_drawn_ends_before_the_next_image():
-    kept = {"exposure": "manual", "exposure_ms": 4.0, "area": Box(47.41, 8.50, 47.405, 8.51)}
+    kept = {"exposure": "manual", "exposure_ms": 4.0, "airspeed_m_per_s": 40.0, "area": Box(47.41, 8.50, 47.405, 8.51)}
     assert len(planned("exposure_ms=lognormal(4,0.5)", **kept))
     with pytest.raises(InvalidInput, match="exposure time 9999"):
         planned("exposure_ms=uniform(1,9999.99)", **kept)
+    with pytest.raises(InvalidInput, match="exposure and reading of rows take"):
+        planned("row_time_us=uniform(1,9999)", **kept)
 
 
 def test_values_are_drawn_by_seed_and_name_of_the_image():
