@@ -4982,6 +4982,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Distortion</source>
+        <translation>Distorsión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Enter the greatest speed for the minimum image interval, and for the exposure time and motion blur, which are in the tab Advanced; at most 15 m/s, as DJI's drones</source>
         <translation>Introduce la mayor velocidad para el intervalo mínimo entre imágenes y para el tiempo de exposición y el desenfoque, que están en la pestaña Avanzado; como máximo 15 m/s, como los drones de DJI</translation>
     </message>
@@ -5098,6 +5103,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Show or hide the coefficients of the lens</source>
+        <translation>Mostrar u ocultar los coeficientes del objetivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Show the heights of flight, ground and surface along the flight, below the map</source>
         <translation>Mostrar bajo el mapa las alturas del vuelo, del terreno y de la superficie a lo largo del vuelo</translation>
     </message>
@@ -5166,6 +5176,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>front</source>
         <translation>longitudinal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>ideal</source>
+        <translation>ideal</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -13144,6 +13159,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/export/geopackage.py"/>
+        <source>footprints and captures are those of the random poses, the flight line is the planned one</source>
+        <translation>las huellas y las capturas son las de las poses aleatorias; la línea de vuelo es la planificada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/geopackage.py"/>
         <source>install it, or choose .geojson</source>
         <translation>instálelo, o elija .geojson</translation>
     </message>
@@ -13166,6 +13186,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/export/kml.py"/>
         <source>footprints are those of the flight in wind, waypoints and flight line are those that were meant</source>
         <translation>las huellas son las del vuelo con viento; los puntos de ruta y la línea de vuelo, los previstos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/kml.py"/>
+        <source>footprints are those of the random poses, waypoints and flight line are the planned ones</source>
+        <translation>las huellas son las de las poses aleatorias; los puntos de paso y la línea de vuelo son los planificados</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/kml.py"/>
@@ -13340,6 +13365,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/export/vehicle.py"/>
         <source>vehicle {0}: the connection broke ({1})</source>
         <translation>vehículo {0}: se cortó la conexión ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/waypoints.py"/>
+        <source>random poses are left out: waypoints are at the planned positions</source>
+        <translation>las poses aleatorias se omiten: los puntos de paso están en las posiciones planificadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/waypoints.py"/>

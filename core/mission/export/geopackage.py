@@ -30,6 +30,8 @@ def geopackage_notes(plan: Plan) -> tuple[str, ...]:
     """Notes on what the layers show, one line each."""
     if plan.nominal is None:
         return ()
+    if plan.mission.wind is None:
+        return (Message("footprints and captures are those of the random poses, the flight line is the planned one"),)
     return (
         Message("footprints and captures are those of the flight in wind, the flight line is the one that was meant"),
     )

@@ -49,7 +49,11 @@ def kml_text(plan: Plan) -> Iterator[str]:
 def kml_notes(plan: Plan) -> tuple[str, ...]:
     """Notes on what the file leaves out or mixes, one line each."""
     notes = []
-    if plan.nominal is not None:
+    if plan.nominal is not None and plan.mission.wind is None:
+        notes.append(
+            Message("footprints are those of the random poses, waypoints and flight line are the planned ones")
+        )
+    elif plan.nominal is not None:
         notes.append(
             Message("footprints are those of the flight in wind, waypoints and flight line are those that were meant")
         )

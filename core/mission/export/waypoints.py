@@ -161,6 +161,8 @@ def waypoint_notes(plan: Plan) -> tuple[str, ...]:
                 tilt,
             )
         )
-    if plan.nominal is not None:
+    if plan.mission.wind is not None:
         notes.append(Message("wind is left out: waypoints are at the planned positions"))
+    elif plan.nominal is not None:
+        notes.append(Message("random poses are left out: waypoints are at the planned positions"))
     return tuple(notes)

@@ -207,6 +207,17 @@ def test_values_are_drawn_by_seed_and_name_of_the_image():
     assert [part.drawn(index) for index in range(len(part))] == drawn[3:40:5]
 
 
+@pytest.mark.parametrize("name", ["flight.plan", "flight.kml", "flight.gpkg"])
+def test_flights_for_drones_are_along_the_planned_poses(tmp_path, name):
+    flight = {"area": Box(47.402, 8.50, 47.40, 8.503), "frame": "camera"}
+    random = write_plan(planned("east_m=uniform(-20,20)", **flight), tmp_path / f"random.{name}")
+    assert any("random poses" in note for note in random.notes)
+    assert not any("wind" in note for note in random.notes)
+    if name.endswith(".plan"):
+        still = write_plan(planned(**flight), tmp_path / f"still.{name}")
+        assert [path.read_bytes() for path in random.files] == [path.read_bytes() for path in still.files]
+
+
 def test_whole_numbers_are_drawn_whole():
     made = planned("adc_bits=uniform(8,12)", **SENSOR)
     drawn = [made.drawn(index)["adc_bits"] for index in range(2000)]
