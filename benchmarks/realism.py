@@ -377,6 +377,65 @@ def shutter_picture(folder: Path) -> None:
     _sheet(crops, list(images), len(crops), 1).save(folder / "realism-shutter.jpg", quality=72, optimize=True)
 
 
+def level_lens_costs() -> None:
+    """Images of level ground through lenses, beside an ideal camera and OpenCV finding the rays of the pixels."""
+    from terrainav.core.picture.shot import draw, make_shot, picture_parts
+
+    def image(camera: Camera) -> Callable[[], object]:
+        made, source = _above(camera, 640)
+        parts = picture_parts(made, source, 0)
+        pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
+
+        def drawn() -> object:
+            # Views are kept for the images of a row: this one is made anew.
+            made.views.__dict__.pop("_kept_views", None)
+            return draw(make_shot(made, 0), parts, pixels)
+
+        return drawn
+
+    ideal_ms = milliseconds(image(Camera(60.0, 4.0 / 3.0)))
+    for name, camera in LEVEL_LENSES.items():
+        show(f"lens over level ground, {name}", milliseconds(image(camera)), "ideal", ideal_ms)
+    camera = LEVEL_LENSES["k1 = -0.3"]
+    x, y = np.meshgrid((np.arange(WIDTH) * 2.0 + 1.0) / WIDTH - 1.0, 1.0 - (np.arange(HEIGHT) * 2.0 + 1.0) / HEIGHT)
+    points, (half, _) = np.stack([x, y], axis=-1), camera.half_tangents
+    matrix, factors = np.array([[320 / half, 0, 320], [0, 320 / half, 240], [0, 0, 1]]), np.array([-0.3, 0, 0, 0, 0])
+    grid = np.mgrid[:HEIGHT, :WIDTH][::-1].reshape(2, -1).T.astype(np.float64)[:, np.newaxis] + 0.5
+    exact = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 60, 1e-12)
+    theirs = milliseconds(lambda: cv2.undistortPointsIter(grid, matrix, factors, None, None, exact))
+    show("  rays of the pixels, once for a camera", milliseconds(lambda: camera.ideal_xy(points)), "OpenCV", theirs)
+
+
+def level_lens_picture(folder: Path) -> None:
+    """Level ground, ideal and through lenses, and a corner of an image whose red and blue are of another size."""
+    from terrainav.core.picture.shot import draw, make_shot, picture_parts
+
+    crops = []
+    for camera in (Camera(60.0, 4.0 / 3.0), *LEVEL_LENSES.values()):
+        made, source = _above(camera, 208)
+        parts = picture_parts(made, source, 0)
+        pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
+        crops.append(Image.fromarray(draw(make_shot(made, 0), parts, pixels).pixels[..., :3]))
+    crops[-1] = crops[-1].crop((0, 0, 52, 39)).resize(crops[0].size, Image.Resampling.NEAREST)
+    _sheet(crops, ["ideal, 60°", *LEVEL_LENSES], len(crops), 1).save(
+        folder / "realism-lens.jpg", quality=80, optimize=True
+    )
+
+
+def _above(camera: Camera, image_px: int) -> tuple[Plan, Source]:
+    """Plan of one image of level ground, and its source."""
+    from terrainav.core.imagery.opening import open_source
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+
+    source = open_source("world")
+    mission = Mission(
+        Points(((35.1408, -89.8606, 250.0),)), 250.0, camera, frame="camera", upsample=True, image_px=image_px
+    )
+    return plan(mission, source.grid), source
+
+
 def lens_costs() -> None:
     """Tracing an image over relief with houses through lenses, beside ideal cameras and OpenCV's maps of a lens."""
     for name, (camera, ideal) in LENSES.items():
@@ -426,8 +485,17 @@ LENSES = {
     "fisheye, 150°": (Camera(150.0, 4.0 / 3.0, lens="fisheye"), Camera(120.0, 4.0 / 3.0)),
 }
 
+#: Lenses over level ground.
+LEVEL_LENSES = {
+    "k1 = -0.3": Camera(60.0, 4.0 / 3.0, k1=-0.3),
+    "k1 = 0.3": Camera(60.0, 4.0 / 3.0, k1=0.3),
+    "fisheye, 150°": Camera(150.0, 4.0 / 3.0, lens="fisheye"),
+    "red +0.5 %, blue -0.5 %": Camera(60.0, 4.0 / 3.0, red_scale=5e-3, blue_scale=-5e-3),
+}
+
 #: Costs and picture of each effect.
 EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
+    "lens": (level_lens_costs, level_lens_picture),
     "lens over relief": (lens_costs, lens_picture),
     "light": (light_costs, light_pictures),
     "shutter": (shutter_costs, shutter_picture),
