@@ -22,6 +22,7 @@ from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.sunlight import mission_sun
+from ..mission.takes import shown_box
 from ..picture.camera_frame import parts_of_tiles
 from ..picture.effects import check_bands
 from ..picture.map_frame import check_size
@@ -148,7 +149,7 @@ class Maker(Protocol):
 
 
 class ImageParts:
-    """Parts of a source that the images of a plan show; over relief, those of images that were made are remembered.
+    """Parts of a source that the images of a plan show; if they are traced, those of images made are remembered.
 
     Parameters
     ----------
@@ -161,20 +162,25 @@ class ImageParts:
         # Zoom, column and row (n, 3) of the tiles that each traced image shows.
         self._tiles: dict[int, NDArray[np.int32]] = {}
 
+    @property
+    def are_traced(self) -> bool:
+        """Whether the parts of an image are found with its rays: over relief, or while the camera moves."""
+        return not self.plan.relief.is_level or self.plan.mission.takes_time
+
     def find(self, index: int) -> list[Part]:
         """Return the parts of an image."""
-        if self.plan.relief.is_level and not self.plan.mission.takes_time:
+        if not self.are_traced:
             return picture_parts(self.plan, self.source, index)
         if index not in self._tiles:
             return self.find_traced(Shot(self.plan, index))
         return parts_of_tiles(self.plan.grid, self._tiles[index].tolist())
 
     def find_traced(self, shot: Shot) -> list[Part]:
-        """Return the parts of an image over relief, whose rays are traced for it."""
+        """Return the parts of an image whose rays are traced for it."""
         return self.keep(shot.index, shot.tiles)
 
     def keep(self, index: int, tiles: list[tuple[int, int, int]]) -> list[Part]:
-        """Remember the tiles of an image over relief, and return its parts."""
+        """Remember the tiles of an image whose rays are traced, and return its parts."""
         self._tiles[index] = np.array(tiles, np.int32).reshape(-1, 3)
         return parts_of_tiles(self.plan.grid, tiles)
 
@@ -287,7 +293,7 @@ class ImageMaker:
         pixels, band_bytes = _largest_px(self.parts.plan), source_bands(self.parts.source).bytes_per_px
         # The limit of pixels under way is for images of three bytes a pixel.
         most = MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // (pixels * max(band_bytes, RGB.bytes_per_px))
-        if not self.parts.plan.relief.is_level:
+        if self.parts.are_traced:
             most = min(most, max(_TRACED_BYTES // (pixels * _TRACED_BYTES_PER_PX), 2 * self.workers))
         return max(most, 1)
 
@@ -308,10 +314,10 @@ class ImageMaker:
                 write=self.write,
                 labels=self.labels,
             )
-            yield job, self.parts.find(index) if plan.relief.is_level else partial(self._trace, job)
+            yield job, partial(self._trace, job) if self.parts.are_traced else self.parts.find(index)
 
     def _trace(self, job: PictureJob) -> list[Part]:
-        """Trace the rays of an image over relief, once, and find its parts."""
+        """Trace the rays of an image, once, and find its parts."""
         shot = cast(Shot, job.shot)
         needs_range = job.development is not None and job.development.needs_range
         tiles = shot.trace(with_sighting=job.products is not None or needs_range)
@@ -322,13 +328,13 @@ class ImageMaker:
         plan, boxes = self.parts.plan, np.empty((len(order), 4))
         found: dict[Window, int] = {}
         for number, index in enumerate(order):
-            if plan.relief.is_level:
-                found.update((part.window, number) for part in self.parts.find(index))
+            if self.parts.are_traced:
+                boxes[number] = shown_box(plan, index)
             else:
-                boxes[number] = plan.views.box(index)
+                found.update((part.window, number) for part in self.parts.find(index))
             if not orders.wants_more():
                 return None
-        return found.__getitem__ if plan.relief.is_level else LastUsers(plan.grid, boxes).last_user
+        return LastUsers(plan.grid, boxes).last_user if self.parts.are_traced else found.__getitem__
 
 
 @contextmanager

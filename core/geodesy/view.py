@@ -137,6 +137,12 @@ class View:
         return 0.0 if self.sky is None else float(np.mean(self.sky))
 
     @property
+    def size_bytes(self) -> int:
+        """Memory of the positions that the view holds."""
+        parts = (*self.patches, *self.samples, *self.area_cells)
+        return sum(array.nbytes for part in parts for array in part if isinstance(array, np.ndarray))
+
+    @property
     def unmapped_share(self) -> float:
         """Share of the pixels whose ground lies beyond Web-Mercator sources."""
         return 0.0 if self.unmapped is None else float(np.mean(self.unmapped))

@@ -176,6 +176,19 @@ class Timing:
         return (("row_time_us", self.row_time_us * height / written), *stated.items(), *rates.items())
 
 
+def shown_box(plan: Plan, index: int) -> tuple[float, float, float, float]:
+    """West, north, east and south end of the ground that a capture may show while it is taken; see `CameraViews.box`.
+
+    The camera moves evenly, so that what it shows in between lies between what it shows at first and at last.
+    """
+    timing = Timing.of(plan, index)
+    if timing is None:
+        return plan.views.box(index)
+    half_s = (timing.exposure_ms + timing.readout_ms) * 0.5e-3
+    boxes = np.array([plan.views.box(index, timing.pose(after_s)) for after_s in (-half_s, half_s)])
+    return (*boxes[:, :2].min(axis=0).tolist(), *boxes[:, 2:].max(axis=0).tolist())
+
+
 def fastest_capture(plan: Plan) -> int:
     """Capture whose images move fastest, judged by the ground below and the turns of the camera."""
     east, north, up, *turns = plan.rates

@@ -196,12 +196,30 @@ class CameraViews:
             rows,
         )
 
-    def box(self, index: int) -> tuple[float, float, float, float]:
-        """West, north, east and south end of the ground that a capture over relief may show, as fractions of the world.
+    def box(self, index: int, pose: Poses | None = None) -> tuple[float, float, float, float]:
+        """West, north, east and south end of the ground that a capture may show, as fractions of the world.
 
-        Without tracing its rays; see `Tracing.box`.
+        Over relief, without tracing its rays; see `Tracing.box`.
+
+        Parameters
+        ----------
+        pose
+            As in `tracing`.
         """
-        return self.tracing(index).box(self.grid)
+        if not self.relief.is_level:
+            return self.tracing(index, pose=pose).box(self.grid)
+        seen = [ends for _, *ends in self.view(index, pose=pose).extents() if len(ends[0])]
+        if not seen:
+            return np.inf, np.inf, -np.inf, -np.inf
+        west, east, north, south = zip(*seen)
+        lon_deg = self.poses.lon_deg[index] if pose is None else pose.lon_deg[0]
+        u = float(self.grid.meridian_u(np.asarray(lon_deg)))
+        return (
+            u + min(float(ends.min()) for ends in west),
+            min(float(ends.min()) for ends in north),
+            u + max(float(ends.max()) for ends in east),
+            max(float(ends.max()) for ends in south),
+        )
 
     def size_px(self, index: int) -> tuple[int, int]:
         """Width and height of a capture's picture."""

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from ..geodesy.raytracing.seen_faces import Painted
     from ..geodesy.raytracing.tracing import Sighting, Tracing
 
-#: Pixels of all instants of a picture of relief, up to which what was traced for them is kept: each takes 50 bytes.
-_KEPT_PX = 1 << 20
+#: Bytes of views of a picture's instants that are kept until it is drawn; others are made again.
+_KEPT_BYTES = 64 << 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,15 +194,15 @@ class Shot:
 
         What many instants need is traced again when they are drawn, as it would take too much memory.
         """
-        width, height = self.plan.views.size_px(self.index)
-        kept = width * height * len(self.instants) <= _KEPT_PX
         tiles: set[tuple[int, int, int]] = set()
+        kept_bytes = 0
         for takes in self.instants:
             is_middle = takes is self.middle
             for take in takes:
                 take.trace(with_sighting=with_sighting and is_middle)
                 tiles.update(take.tiles)
-                if not (kept or is_middle):
+                kept_bytes += take.view.size_bytes
+                if kept_bytes > _KEPT_BYTES and not is_middle:
                     take.forget()
         return sorted(tiles)
 
@@ -231,7 +231,7 @@ class Shot:
                 total[rows] += linear_of_bytes(take.draw(parts, pixels, bands))
                 hidden = take.view.hidden
                 count[rows] += 1.0 if hidden is None else ~hidden[..., np.newaxis]
-                if takes is not self.middle and not self.plan.relief.is_level:
+                if takes is not self.middle:
                     take.forget()
         picture = bytes_of_linear(total / np.maximum(count, 1.0))
         if self.hidden is not None:

@@ -21,6 +21,8 @@ from terrainav.core.mission.flight.motion import fly, fly_rates
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.takes import shown_box
+from terrainav.core.picture import shot as shot_module
 from terrainav.core.picture.camera_frame import parts_of_tiles
 from terrainav.core.picture.effects import check_bands
 from terrainav.core.picture.heights import mission_heights
@@ -403,3 +405,37 @@ def test_strips_move_by_no_more_than_is_allowed():
         assert (bottom + 1 - top) * moved_px[top : bottom + 1].max() > 0.1
     assert strips(np.full(3, 5.0), 0.1) == [(0, 1), (1, 2), (2, 3)]
     assert strips(np.zeros(480), 0.1) == [(0, 480)]
+
+
+@pytest.mark.parametrize("elevation", [(), ("world",)], ids=["level", "relief"])
+def test_each_tile_is_fetched_once_however_far_the_camera_moves(elevation, tmp_path):
+    box = Box(35.1602, -89.9, 35.1598, -89.8975)
+    given = {"elevation": elevation} if elevation else {}
+    made = planned(row_time_us=2_000.0, motion_blur=True, exposure_ms=50.0, image_px=48, area=box, **given)
+    source = PatternSource()
+    assert capture(made, source, tmp_path, connections=1).written == len(made)
+    assert set(source.fetched.values()) == {1}
+    for index in (0, len(made) - 1):
+        west, north, east, south = shown_box(made, index)
+        for zoom, column, row in make_shot(made, index).tiles:
+            world, size = made.grid.world_px(zoom), made.grid.tile_px
+            assert (column + 1) * size + 8.0 > west * world
+            assert column * size - 8.0 < east * world
+            assert (row + 1) * size + 8.0 > north * world
+            assert row * size - 8.0 < south * world
+
+
+def test_what_many_instants_need_is_made_again(monkeypatch):
+    made, source = (
+        planned(motion_blur=True, exposure_ms=20.0, image_px=160, tilt_deg=30.0),
+        named_source("world").open(),
+    )
+    wanted = picture(made, source, 2)
+    monkeypatch.setattr(shot_module, "_KEPT_BYTES", 0)
+    shot = make_shot(made, 2)
+    shot.trace(with_sighting=False)
+    kept = [[take for take in takes if "view" in take.__dict__] for takes in shot.instants]
+    assert [bool(takes) for takes in kept] == [takes is shot.middle for takes in shot.instants]
+    parts = picture_parts(made, source, 2)
+    pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
+    assert np.array_equal(draw(shot, parts, pixels).pixels, wanted)
