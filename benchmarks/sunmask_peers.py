@@ -33,6 +33,8 @@ from terrainav.core.world.samples import Grid
 MOUNTAINS = 24.1, -114.34
 #: Suns of each surface: height and azimuth, degrees.
 SUNS = ((25.0, 100.0), (45.0, 200.0), (35.0, 315.0))
+#: Suns of walls, between whose cells no height is known: rays meet the middles of cells.
+STRAIGHT_SUNS = ((25.0, 90.0), (45.0, 180.0), (35.0, 270.0))
 
 
 class GridRelief(NamedTuple):
@@ -149,7 +151,8 @@ def places(rows: int, columns: int, cell_m: float) -> tuple[np.ndarray, np.ndarr
 def on_cone() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """A cone steeper than the suns, 800 m high, on a plane of 10 m cells."""
     surface = Surface(lambda east, north: np.maximum(800.0 - 1.6 * np.hypot(east, north), 0.0), 10.0, 800.0)
-    east, north = places(400, 400, 10.0)
+    # An odd number of cells: one is at the tip.
+    east, north = places(401, 401, 10.0)
     for sun in SUNS:
         ours = shadows(surface.heights(east, north), 10.0, sun)
         yield f"cone, sun {sun}", ours, grass_shadows(surface, east, north, sun)
@@ -199,7 +202,7 @@ def on_real(folder: Path) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     # Rays from cells near the border leave the surface.
     rows, columns = heights.shape
     east, north = places(rows - 120, columns - 120, cell_m)
-    for sun in SUNS:
+    for sun in STRAIGHT_SUNS:
         ours = shadows(heights, cell_m, sun)[60:-60, 60:-60]
         yield f"dsm.tif, sun {sun}", ours, grass_shadows(surface, east, north, sun)
 

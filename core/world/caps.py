@@ -12,14 +12,15 @@ from .climate import open_water
 from .ice import Ice, blue, icy
 from .paint import Canvas, ramp
 from .scene import Scene
-from .sunlight import faced, shine
+from .sunlight import lighting, shine
 
 
 def satellite(scene: Scene) -> Canvas:
     """Paint ice as seen from the air, over land and sea."""
-    facing = faced(scene)
-    canvas = _covered(scene, lambda bare: styles.unlit_satellite(bare, facing), _photographed)
-    shine(canvas, scene, facing)
+    lit = lighting(scene)
+    canvas = _covered(scene, lambda bare: styles.unlit_satellite(bare, lit), _photographed)
+    if lit is not None:
+        shine(canvas, scene, lit)
     return canvas
 
 

@@ -32,7 +32,7 @@ def cast_shadows(scene: Scene) -> NDArray[np.float32] | None:
     if highest is None:
         return None
     is_tile = isinstance(samples, Grid)
-    tops = _tops(scene.seed, samples.zoom, samples.x, samples.y) if is_tile else tops_m(scene)
+    tops = _tops(scene.seed, sun, samples.zoom, samples.x, samples.y) if is_tile else tops_m(scene)
     if is_tile and not up:
         shadow: Array = highest[1:-1, 1:-1]
     else:
@@ -62,6 +62,13 @@ def _interpolated(values: Array, samples: Positions, up: int) -> Array:
     )
     column, row = np.floor(east).astype(np.intp), np.floor(south).astype(np.intp)
     x, y = (east - column).astype(np.float32), (south - row).astype(np.float32)
+    if isinstance(samples, Grid):
+        # Of a tile's pixels, all rows have the same columns.
+        first, last = int(row[0, 0]), int(row[-1, 0]) + 2
+        part = values[first:last]
+        along = part[:, column] + (part[:, column + 1] - part[:, column]) * x
+        above = row[:, 0] - first
+        return np.asarray(along[above] + (along[above + 1] - along[above]) * y)
     north = values[row, column] + (values[row, column + 1] - values[row, column]) * x
     beyond = values[row + 1, column] + (values[row + 1, column + 1] - values[row + 1, column]) * x
     return np.asarray(north + (beyond - north) * y)
@@ -80,7 +87,7 @@ def _highest_shadow(landscape: int, sun: ChartSun, zoom: int, x: int, y: int) ->
     if drop >= _HIGHEST_M:
         return None
     ahead = ray.ahead(window, 1, steps + 1)
-    tops = _tops_ahead(landscape, zoom, ahead)
+    tops = _tops_ahead(landscape, sun, zoom, ahead)
     return None if tops is None else highest_shadow(tops, window, ahead, ray, steps, drop)
 
 
@@ -108,13 +115,13 @@ def highest_shadow(
     return best
 
 
-def _tops_ahead(landscape: int, zoom: int, window: LatticeWindow) -> NDArray[np.float32] | None:
+def _tops_ahead(landscape: int, sun: ChartSun, zoom: int, window: LatticeWindow) -> NDArray[np.float32] | None:
     """Heights of houses and trees above the ground in a window of pixels; None if there are none."""
     tiles = 1 << zoom
     out: NDArray[np.float32] | None = None
     for y in range(max(window.j0 // TILE_PX, 0), min((window.j0 + window.rows - 1) // TILE_PX, tiles - 1) + 1):
         for x in range(window.i0 // TILE_PX, (window.i0 + window.columns - 1) // TILE_PX + 1):
-            tops = _tops(landscape, zoom, x % tiles, y)
+            tops = _tops(landscape, sun, zoom, x % tiles, y)
             if tops is not None:
                 out = np.zeros((window.rows, window.columns), np.float32) if out is None else out
                 lay(out, window, tops, x, y)
@@ -122,8 +129,19 @@ def _tops_ahead(landscape: int, zoom: int, window: LatticeWindow) -> NDArray[np.
 
 
 @shared(64)
-def _tops(landscape: int, zoom: int, x: int, y: int) -> NDArray[np.float32] | None:
-    return tops_m(Scene(landscape, Grid(zoom, x, y)))
+def _tops(landscape: int, sun: ChartSun, zoom: int, x: int, y: int) -> NDArray[np.float32] | None:
+    return tops_m(tile_scene(landscape, sun, zoom, x, y))
+
+
+def tile_scene(landscape: int, sun: ChartSun | None, zoom: int, x: int, y: int) -> Scene:
+    """Scene of a tile; under a sun, neighbours share it, as their shadows fall on each other."""
+    samples = Grid(zoom, x, y)
+    return Scene(landscape, samples) if sun is None else _shared_scene(landscape, sun, samples.zoom, x, y)
+
+
+@shared(12)
+def _shared_scene(landscape: int, sun: ChartSun, zoom: int, x: int, y: int) -> Scene:
+    return Scene(landscape, Grid(zoom, x, y), sun=sun)
 
 
 def tops_m(scene: Scene) -> NDArray[np.float32] | None:

@@ -26,6 +26,7 @@ from .lattice import TILE_PX, Array, chart_seed
 from .rays import ChartSun
 from .samples import Grid, group_points
 from .scene import Scene
+from .shadows import tile_scene
 
 MAX_ZOOM = 22
 #: Pole of each polar chart; see `lattice.chart_seed`.
@@ -168,7 +169,7 @@ class World:
         """
         painter = self._painter(style)
         self._check_tile(zoom, x, y)
-        return painter(Scene(self.landscape, Grid(int(zoom), int(x), int(y)), sun=self._chart_sun)).rounded()
+        return painter(tile_scene(self.landscape, self._chart_sun, int(zoom), int(x), int(y))).rounded()
 
     @staticmethod
     def _check_tile(zoom: int, x: int, y: int) -> None:

@@ -15,7 +15,7 @@ from .paint import Canvas
 from .region import neighbourhood
 from .samples import Grid, Positions, shared
 from .scene import PARCEL_ZOOM, Scene
-from .sunlight import faced, shine
+from .sunlight import Lighting, lighting, shine
 
 #: Function that paints a scene in one style.
 Painter = Callable[[Scene], Canvas]
@@ -95,16 +95,17 @@ def stripes(seed: int, across_m: Array, pixel_m: float) -> Array:
 
 def satellite(scene: Scene) -> Canvas:
     """Paint the land, then water, then roads, buildings and trees, and light them where there is a sun."""
-    facing = faced(scene)
-    canvas = unlit_satellite(scene, facing)
-    shine(canvas, scene, facing)
+    lit = lighting(scene)
+    canvas = unlit_satellite(scene, lit)
+    if lit is not None:
+        shine(canvas, scene, lit)
     return canvas
 
 
-def unlit_satellite(scene: Scene, facing: Canvas | None) -> Canvas:
-    """Paint a picture without the light of a sun; roofs and crowns are also painted on ``facing``, see `faced`."""
+def unlit_satellite(scene: Scene, lit: Lighting | None) -> Canvas:
+    """Paint a picture without the light of a sun, and what roofs and crowns turn to it."""
     zoom = scene.samples.zoom
-    return _Land(scene, facing).paint() if zoom >= PARCEL_ZOOM else _paint_overview(scene)
+    return _Land(scene, lit).paint() if zoom >= PARCEL_ZOOM else _paint_overview(scene)
 
 
 def _farm_colour(f: dict[str, Array]) -> Array:
@@ -139,9 +140,8 @@ def _paint_water(canvas: Canvas, scene: Scene) -> None:
 class _Land:
     """Painter of a scene at zooms that show parcels."""
 
-    def __init__(self, scene: Scene, facing: Canvas | None) -> None:
-        self.scene, self.parcels = scene, scene.parcels
-        self.lit = None if scene.sun is None or facing is None else (scene.sun, facing)
+    def __init__(self, scene: Scene, lit: Lighting | None) -> None:
+        self.scene, self.parcels, self.lit = scene, scene.parcels, lit
         self.pixel_m, self.zoom = scene.pixel_m, scene.samples.zoom
         self.looks = self.parcels.division.looks
 
@@ -205,11 +205,10 @@ class _Land:
         if prints is None:
             return
         if self.lit is not None:
-            sun, facing = self.lit
             at, near = prints.nearby(0.0)
             cover = near.cover()
             canvas.touch(at, (cover, near.roofs(is_lit=False)))
-            facing.touch(at, (cover, [near.facing(sun)]))
+            self.lit.facing.touch(at, (cover, [near.facing(self.lit.sun)]))
             return
         at, near = prints.nearby(objects.SHADOW_M)
         layers: list[tuple[Array, Array | Sequence[float | Array]]] = [(near.cover(), near.roofs())]
@@ -220,8 +219,9 @@ class _Land:
     def _trees(self, canvas: Canvas) -> None:
         contrast = 0.55 if self.zoom == objects.FIRST_ZOOM else 1.0
         canopy = np.array(_CANOPY, dtype=np.float32)
+        toward = None if self.lit is None else (self.lit.sun, self.lit.facing)
         for cells, crowns in objects.plant(self.scene):
-            objects.draw(canvas, cells, crowns, self.pixel_m, self.speckle, contrast, canopy, self.lit)
+            objects.draw(canvas, cells, crowns, self.pixel_m, self.speckle, contrast, canopy, toward)
 
 
 def roadmap(scene: Scene) -> Canvas:

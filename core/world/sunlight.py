@@ -5,11 +5,14 @@ Light is relative to that of level ground in the sun, on which pictures have the
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..geodesy.sun import RADIUS_DEG
 from .lattice import Array
 from .paint import Canvas
+from .rays import ChartSun
 from .relief_light import relief_light
 from .scene import Scene
 from .shadows import cast_shadows
@@ -23,28 +26,45 @@ _POWER, _LIGHT_STEPS, _MOST_LIGHT = 1.0 / 2.4, 1024, 16
 _GAIN = ((np.arange(_LIGHT_STEPS * _MOST_LIGHT + 1) / _LIGHT_STEPS) ** _POWER).astype(np.float32)
 
 
-def shine(canvas: Canvas, scene: Scene, facing: Canvas) -> None:
-    """Light a picture.
+class Lighting(NamedTuple):
+    """The sun over a scene.
 
-    Parameters
+    Attributes
     ----------
-    canvas : Canvas
-        Colours without light.
     facing : Canvas
-        Cosine of the angle between the surface and the sun, over that of level ground; from `faced`.
+        Cosine of the angle between the surface and the sun, over that of level ground, on one plane; of the ground, on
+        which roofs and crowns are painted.
+    clearance : array or None
+        Degrees by which the sun's centre stands above the horizon of the relief; None where the whole disc does.
+    view : array
+        Share of the sky that the ground sees.
     """
+
+    sun: ChartSun
+    facing: Canvas
+    clearance: Array | None
+    view: Array
+
+
+def lighting(scene: Scene) -> Lighting | None:
+    """Lighting of a scene; None without a sun."""
     sun = scene.sun
     if sun is None or scene.samples.zoom < FIRST_ZOOM:
-        return
-    light = np.maximum(facing.planes[0], np.float32(0))
-    clearance, _, view = relief_light(scene.seed, sun, scene.samples)
-    if clearance is not None:
-        light *= _disc(clearance).ravel()
+        return None
+    clearance, facing, view = relief_light(scene.seed, sun, scene.samples)
+    return Lighting(sun, Canvas([facing], scene.samples.shape), clearance, view)
+
+
+def shine(canvas: Canvas, scene: Scene, lit: Lighting) -> None:
+    """Light a picture, whose colours are without light."""
+    light = np.maximum(lit.facing.planes[0], np.float32(0))
+    if lit.clearance is not None:
+        light *= _disc(lit.clearance).ravel()
     shown = cast_shadows(scene)
     if shown is not None:
         light *= shown.ravel()
-    light *= np.float32(1.0 - sun.sky_share)
-    light += view.ravel() * np.float32(sun.sky_share)
+    light *= np.float32(1.0 - lit.sun.sky_share)
+    light += lit.view.ravel() * np.float32(lit.sun.sky_share)
     _multiply(canvas, light)
 
 
@@ -54,14 +74,6 @@ def _multiply(canvas: Canvas, light: Array) -> None:
     canvas.planes += _OFFSET
     canvas.planes *= gain
     canvas.planes -= _OFFSET
-
-
-def faced(scene: Scene) -> Canvas:
-    """Cosine of the angle between the ground and the sun, over that of level ground, on a canvas of one plane."""
-    sun = scene.sun
-    if sun is None or scene.samples.zoom < FIRST_ZOOM:
-        return Canvas([1.0], scene.samples.shape)
-    return Canvas([relief_light(scene.seed, sun, scene.samples)[1]], scene.samples.shape)
 
 
 def _disc(clearance: Array) -> Array:

@@ -290,4 +290,4 @@ def test_captures_are_lit(tmp_path):
 
 def test_scenes_without_a_sun_are_not_lit():
     scene = Scene(World().landscape, Grid(16, *tile_of(FARM, 16)))
-    assert light.faced(scene).planes.max() == 1.0
+    assert light.lighting(scene) is None
