@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import tarfile
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
@@ -88,6 +90,16 @@ def test_an_image_has_its_values_in_any_run(tmp_path):
     for size in (2, 3):
         capture(made, SOURCE, tmp_path / str(size), blocks=Blocks(size))
         assert contents(tmp_path / str(size) / "satellite") == whole
+
+
+def test_other_processes_make_the_same_images(tmp_path):
+    sensor = {"image_sensor": "custom", "pixel_um": 3.0, "quantum_efficiency": 0.6, "full_well_e": 1000.0}
+    made = planned("read_noise_e=uniform(1,60)", "white_balance_k=uniform(4500,7500)", keep_clean=True, **sensor)
+    capture(made, SOURCE.open(), tmp_path / "here")
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+        capture(made, SOURCE, tmp_path / "there", executor=pool, blocks=Blocks(3))
+    for map_type in ("satellite", "satellite_clean"):
+        assert contents(tmp_path / "there" / map_type) == contents(tmp_path / "here" / map_type)
 
 
 def test_rows_in_shards_have_the_columns_of_tables(tmp_path):
