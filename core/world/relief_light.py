@@ -82,7 +82,7 @@ def _coefficients(values: Array) -> NDArray[np.float32]:
     return np.asarray(c * np.float32(1 / 36), np.float32)
 
 
-class Relief(Protocol):
+class HeightLattice(Protocol):
     """Ground at the centres of the cells of a lattice."""
 
     @property
@@ -150,7 +150,7 @@ def _ground(landscape: int, level: int, x: int, y: int) -> NDArray[np.float32]:
     return np.asarray(ground_m(scene) / chart_scale(landscape, samples.block.rows_v)[:, np.newaxis], np.float32)
 
 
-def horizon_tangent(relief: Relief, window: LatticeWindow, sun: ChartSun) -> NDArray[np.float32]:
+def horizon_tangent(relief: HeightLattice, window: LatticeWindow, sun: ChartSun) -> NDArray[np.float32]:
     """Greatest tangent of the height of the ground in the direction of the sun, at the centres of cells.
 
     It is exact where the sun stands less than `clearest_deg` above the horizon, and elsewhere too low at most: rays end

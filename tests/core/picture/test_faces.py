@@ -19,6 +19,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.relief.ground import Heights
 from terrainav.core.mission.relief.roofed import RoofedElevation, seen_surface
+from terrainav.core.mission.sunlight import mission_sun
 from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.painting import AMBIENT, sun_enu
 from terrainav.core.picture.products import products, sighting
@@ -108,6 +109,22 @@ def test_walls_are_lit_at_the_missions_time_and_by_day_only(files, tower):
     assert abs(east) < 0.1
     assert np.array_equal(sun_enu(night, 0), sun_enu(plain, 0))
     assert sun_enu(plain, 0) == pytest.approx([-0.5, 0.5, 0.5**0.5])
+
+
+def test_walls_face_the_sun_of_the_mission(files, tower):
+    for text in ("30 160", "30 340"):
+        made, source = planned(files, tower, sun=text)
+        seen, sun = sighting(made, 0, size_of(made)), mission_sun(made.mission)
+        walls = seen.kind == WALL
+        normals = seen.normals[walls]
+        direct = np.maximum(normals @ sun.enu, 0.0) / np.sin(np.radians(30.0))
+        shares = 0.5 * sun.sky_share * (1.0 + normals[:, 2]) + (1.0 - sun.sky_share) * direct
+        # sRGB (IEC 61966-2-1).
+        value = tower.all.colour[0] / 255.0
+        linear = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+        lit = np.minimum(linear * shares[:, np.newaxis], 1.0)
+        wanted = 255.0 * np.where(lit <= 0.0031308, lit * 12.92, 1.055 * lit ** (1.0 / 2.4) - 0.055)
+        assert picture(made, source).pixels[walls] == pytest.approx(wanted, abs=1.0)
 
 
 def test_a_shot_keeps_what_its_picture_needs(files, tower):
