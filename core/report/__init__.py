@@ -8,6 +8,7 @@ In reading order:
 - `positions`: errors of positions, measured in long double
 - `pictures`: pictures by any method: run time, file size, errors in grey levels
 - `wind`: effect of wind on a mission
+- `sharpness`: sharpness of images from a slanted edge
 - `conditioning`: condition numbers over tilt and height
 - `tables`: figures as tables and as CSV
 - `sentences`: figures in words
