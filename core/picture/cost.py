@@ -16,8 +16,9 @@ from ..geodesy.footprint import ground_corners
 from ..imagery.source import Part, Window, tile_parts
 from ..mission.plan import Plan
 from ..timing import clock_step_s
-from .camera_frame import camera_parts, load_code, render
+from .camera_frame import camera_parts, load_code, parts_of_tiles, render
 from .map_frame import assemble, capture_window
+from .shot import Shot
 
 
 class Cost(NamedTuple):
@@ -63,16 +64,22 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
         blank = _blank(parts, bands)
         return Cost(footprints_s, _processor_s(lambda: assemble(window, parts, blank, bands)))
     load_code(plan)
+    relief_by = "" if plan.relief.is_level else "numba" if uses_numba() else "numpy"
+    if plan.mission.takes_time:
+        parts = parts_of_tiles(plan.grid, Shot(plan, index).tiles)
+        # Blur is for colours of 8 bits; a capture refuses others.
+        bands = bands if bands.are_colours else RGB
+        blank = _blank(parts, bands)
+        return Cost(footprints_s, _processor_s(lambda: Shot(plan, index).draw(parts, blank, bands)), relief_by)
     view, lon = plan.views.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
     blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling
-    views_s, relief_by = 0.0, ""
+    views_s = 0.0
     if not plan.relief.is_level:
         # Over relief, captures share no view.
         start = time.thread_time()
         plan.views.view(index)
         views_s = time.thread_time() - start
-        relief_by = "numba" if uses_numba() else "numpy"
     render_s = _processor_s(lambda: render(view, lon, parts, blank, resampling, bands))
     return Cost(footprints_s, views_s + render_s, relief_by)
 
