@@ -262,12 +262,12 @@ class FisheyeLens:
         """
         reach = float(np.hypot(*border.T).max())
         whole = cls(k, math.inf)
-        angles = np.linspace(0.0, math.pi / 2.0, 4097)
+        angles = np.linspace(0.0, math.pi, 8193)
         falls = np.flatnonzero(whole._slope(angles) <= 0.0)
         fold = float(angles[falls[0]]) if len(falls) else math.inf
         top = min(fold, _WIDEST)
         at_top = float(whole._radius(np.array(top)))
-        if at_top < reach and len(falls):
+        if at_top < reach and fold < _WIDEST:
             raise _folded(at_top, reach)
         if at_top < reach:
             raise InvalidInput(

@@ -109,6 +109,32 @@ def test_slopes_are_the_differences_of_image_points(name):
         assert np.allclose(slopes[..., axis], (ahead - behind) / (2.0 * step), atol=1e-8)
 
 
+@pytest.mark.parametrize("seed", range(120))
+def test_cameras_at_random_see_inside_only_what_their_rays_lead_to(seed):
+    random = np.random.default_rng(seed)
+    is_fisheye, size = seed % 3 == 0, 10.0 ** random.uniform(-3.0, 0.0)
+    values = {"principal_x": random.uniform(-0.1, 0.1), "principal_y": random.uniform(-0.1, 0.1)}
+    if is_fisheye:
+        values.update({f"k{at}": random.normal() * size * 0.3**at for at in range(1, 5)}, lens="fisheye")
+    else:
+        values.update({f"k{at}": random.normal() * size * 0.4 ** (at % 3) for at in range(1, 7)})
+        values.update(p1=random.normal() * size * 0.02, p2=random.normal() * size * 0.02)
+    try:
+        camera = Camera(random.uniform(5.0, 175.0 if is_fisheye else 130.0), random.choice([0.5, 4 / 3, 2.2]), **values)
+    except InvalidInput:
+        return
+    points = image_points(400, seed)
+    assert np.abs(camera.image_xy(camera.rays_enu(points))[0] - points).max() < 1e-12
+    vectors = np.concatenate([random.normal(size=(1000, 3)), camera.rays_enu(1.05 * points)])
+    excess = camera.side_excess(vectors).max(axis=1)
+    found, in_front = camera.image_xy(vectors)
+    inside = in_front & (np.abs(found) <= 1.0).all(axis=1)
+    assert (((excess <= 0.0) == inside) | (np.abs(excess) < 1e-12)).all()
+    rays = camera.rays_enu(found[inside])
+    unit = [one / np.linalg.norm(one, axis=1)[:, np.newaxis] for one in (rays, vectors[inside])]
+    assert np.abs(unit[0] - unit[1]).max() < 1e-9
+
+
 def test_an_ideal_camera_is_left_as_it_is():
     camera, points = Camera(78.8), image_points(10)
     assert camera.is_ideal
