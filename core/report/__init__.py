@@ -14,6 +14,7 @@ In reading order:
 - `sentences`: figures in words
 - `plots`: diagrams
 - `heights`: height profiles as tables and diagrams
+- `sharpness`: sharpness of images, from a slanted edge
 - `machine`: processor, system and software versions
 - `page`: the page
 """
