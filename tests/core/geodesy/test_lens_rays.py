@@ -28,6 +28,8 @@ SIZE = 160, 120
 BROWN = Camera(60.0, 4 / 3, k1=-0.3)
 TANGENTIAL = Camera(70.0, 4 / 3, k1=0.2, k2=-0.05, p1=0.01, p2=-0.02, principal_x=0.06, principal_y=-0.04)
 FISHEYE = Camera(150.0, 4 / 3, lens="fisheye", k1=0.02, k2=-0.003)
+#: A pincushion, whose pixels are closer at the edges, and a fisheye whose corners look along the image plane.
+EXTREME = {"pincushion": Camera(80.0, 4 / 3, k1=0.35), "widest": Camera(179.0, 4 / 3, lens="fisheye")}
 LENSES = {"brown": BROWN, "tangential": TANGENTIAL, "fisheye": FISHEYE}
 BOTH = pytest.mark.parametrize("is_compiled", [True, False])
 
@@ -226,6 +228,7 @@ def test_embree_hits_the_same_triangles_at_the_same_depth(camera, town, tilt_deg
 
 
 @BOTH
+@pytest.mark.parametrize("camera", [*LENSES.values(), *EXTREME.values()], ids=[*LENSES, *EXTREME])
 def test_points_of_the_products_project_to_their_pixels(camera, town, is_compiled):
     rng = np.random.default_rng(8)
     ground = 100.0 + np.cumsum(rng.normal(0.0, 1.0, (160, 160)), axis=1)
