@@ -154,7 +154,14 @@ class Timing:
     def _planned_strips(self) -> list[tuple[int, int]]:
         height = self.plan.views.size_px(self.index)[1]
         rows, speeds = self._speeds
-        moved_px = np.interp(np.arange(height) + 0.5, rows, speeds) * (self.row_time_us * 1e-6)
+        middles = np.arange(height) + 0.5
+        if self.plan.relief.is_level:
+            speed = np.interp(middles, rows, speeds)
+        else:
+            # A hill may begin anywhere between two rows.
+            below = np.clip(np.searchsorted(rows, middles), 1, len(rows) - 1)
+            speed = np.maximum(speeds[below - 1], speeds[below])
+        moved_px = speed * (self.row_time_us * 1e-6)
         if not moved_px.any():
             return [(0, height)]
         return strips(moved_px, self.plan.strip_px)

@@ -210,7 +210,7 @@ MOVES = {
 def test_ground_points_lie_where_the_pose_of_their_row_sees_them(values, elevation, size_px):
     given = {"image_px": 320, **values}
     if elevation:
-        given.update(elevation=elevation, image_px=240)
+        given.update(elevation=elevation)
     made = planned(row_time_us=90.0, motion_blur=True, exposure_ms=4.0, **given)
     index = 1
     size_px = size_px or made.views.size_px(index)
