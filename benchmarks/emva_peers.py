@@ -47,7 +47,13 @@ SENSORS = {
 LX_S_PER_MS = 0.65 * ILLUMINANCE_LX / math.pi / F_NUMBER**2 / 1000.0
 #: Height at which images have the rasters' ground sample distance, and 640 px.
 AGL_M = 173.2
-POSES = tuple((48.1490 + 2e-5 * at, 11.5565, AGL_M) for at in range(STACK))
+
+
+def poses(number: int, count: int) -> tuple[tuple[float, float, float], ...]:
+    """Places of the images of a step, of which no other step has one, as places name images and names seed noise."""
+    return tuple((48.1490 + 2e-5 * at, 11.5560 + 1e-5 * number, AGL_M) for at in range(count))
+
+
 #: Greatest errors in percent.
 ALLOWED = {"K": 1.0, "QE": 1.0, "dark noise": 1.0, "PRNU": 1.0, "DSNU": 3.0}
 
@@ -96,9 +102,9 @@ def _capture_sensor(folder: Path, sensor: str, figures: dict[str, object], sourc
     iso = 78.0 / (LX_S_PER_MS * full_ms)
     settings = {**figures, "exposure": "manual", "f_number": F_NUMBER, "illuminance_lx": ILLUMINANCE_LX, "iso": iso}
 
-    def images(exposure_ms: float, name: str, count: int) -> list[str]:
+    def images(number: int, exposure_ms: float, name: str, count: int) -> list[str]:
         mission = Mission(
-            Points(POSES[:count]),
+            Points(poses(number, count)),
             AGL_M,
             Camera(60.0, 4.0 / 3.0),
             exposure_ms=exposure_ms,
@@ -114,13 +120,13 @@ def _capture_sensor(folder: Path, sensor: str, figures: dict[str, object], sourc
     lines = []
     # The last steps saturate, as the program looks for the maximum of the noise.
     times = [full_ms * 1.1 * step / STEPS for step in range(1, STEPS + 1)]
-    for exposure_ms, count in [*((one, 2) for one in times), (full_ms / 2.0, STACK)]:
+    for number, (exposure_ms, count) in enumerate([*((one, 2) for one in times), (full_ms / 2.0, STACK)]):
         nanoseconds = f"{exposure_ms * 1e6:.3f}"
         for head, name in (
             (f"b {nanoseconds} {photons(asked['pixel_um'], exposure_ms):.6f}", "white"),
             (f"d {nanoseconds}", "black"),
         ):
-            files = images(exposure_ms, name, count)
+            files = images(number, exposure_ms, name, count)
             lines += [head, *(f"i {one}" for one in files)]
     first = gdal.Open(str(folder / files[0]))
     size = first.RasterXSize, first.RasterYSize
