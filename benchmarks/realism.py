@@ -158,6 +158,99 @@ def light_pictures(folder: Path) -> None:
         sheet.save(folder / f"realism-{name}.jpg", quality=78, optimize=True)
 
 
+def sampled_plan(sampling: str, **values: object) -> Plan:
+    """Plan of one image of the synthetic world, with a way of sampling it."""
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+    from terrainav.core.world import WorldSource
+
+    values = {"frame": "camera", "sampling": sampling, **values}
+    return plan(Mission(Points(((35.14, -89.86, 120.0),)), 120.0, **values), WorldSource().grid)
+
+
+def sampling_costs() -> None:
+    """Drawing with the interpolated imagery and with means over pixels, and spreading light."""
+    from functools import partial
+
+    import numba  # noqa: F401  (as for missions of many images)
+    from terrainav.core.camera.optics import diffraction_contrast, gaussian_contrast, spread_light
+    from terrainav.core.picture.camera_frame import parts_of_tiles, render
+    from terrainav.core.world import WorldSource
+
+    source = WorldSource()
+    for name, tilt_deg in (("straight down", 0.0), ("at a tilt of 60°", 60.0), ("at a tilt of 85°", 85.0)):
+        taken, tiles = [], []
+        for sampling in ("area", "zoom"):
+            planned = sampled_plan(sampling, tilt_deg=tilt_deg)
+            view, lon_deg = planned.views.view(0), float(planned.lon_deg[0])
+            parts = parts_of_tiles(planned.grid, view.tiles(lon_deg))
+            pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
+            draw = partial(render, view, lon_deg, parts, pixels, "bilinear")
+            taken.append(milliseconds(draw, 5))
+            tiles.append(len(parts))
+        show(f"sampling by area, {name} ({tiles[0]} and {tiles[1]} tiles)", taken[0], "by zoom", taken[1])
+    fine = np.random.default_rng(1).integers(0, 256, (8 * HEIGHT, 8 * WIDTH, 3)).astype(np.uint8)
+    turn = np.array([[1.0, 0.02, 3.0], [-0.02, 1.0, 5.0]])
+
+    def opencvs() -> np.ndarray:
+        warped = cv2.warpAffine(fine, turn, (8 * WIDTH, 8 * HEIGHT), flags=cv2.INTER_LINEAR)
+        return cv2.resize(warped, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
+
+    show("OpenCV: 64 samples a pixel, and their mean", milliseconds(opencvs, 5))
+    light = np.random.default_rng(1).uniform(0.0, 1.0, (HEIGHT, WIDTH, 3)).astype(np.float32)
+    gaussian = milliseconds(lambda: spread_light(light.copy(), partial(gaussian_contrast, mtf50=0.25), None))
+    deviation = float(np.sqrt(np.log(2.0 * np.sinc(0.25)) / 2.0) / (np.pi * 0.25))
+    theirs = milliseconds(lambda: cv2.GaussianBlur(light, (0, 0), deviation))
+    show("sharpness (MTF50 of 0.25 cycles/px)", gaussian, "OpenCV GaussianBlur", theirs)
+    airy = partial(diffraction_contrast, cutoff=0.5)
+    theirs = milliseconds(lambda: cv2.filter2D(light, -1, np.full((33, 33), 1.0 / 33**2, np.float32)))
+    show("diffraction", milliseconds(lambda: spread_light(light.copy(), airy, None)), "OpenCV filter2D, 33 px", theirs)
+    shown = np.ones((HEIGHT, WIDTH), bool)
+    shown[:100] = False
+    show("diffraction beside the sky", milliseconds(lambda: spread_light(light.copy(), airy, shown)))
+
+
+def sampling_picture(folder: Path) -> None:
+    """A zone plate from 120 m at a tilt of 85°, and far ground of the world: by zoom, by area, and with a lens."""
+    from terrainav.core.camera.light import encoded
+    from terrainav.core.capture.runner import capture
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+    from terrainav.core.world import WorldSource
+
+    from tests.core.picture.zone_plate import GRID as PLATE_GRID
+    from tests.core.picture.zone_plate import LAT, LON, ZonePlate
+
+    crops = []
+    for plate, box, changes in (
+        (ZonePlate(1.0 / 60.0), (0, 0, 160, 120), {"image_px": 160}),
+        (ZonePlate(1.0 / 15_000.0, 2_000.0), (0, 51, 160, 120), {"image_px": 160, "tilt_deg": 85.0}),
+    ):
+        plans = [
+            plan(Mission(Points(((LAT, LON, 120.0),)), 120.0, frame="camera", sampling=one, **changes), PLATE_GRID)
+            for one in ("zoom", "area")
+        ]
+        drawn, exact = [plate.picture(one) for one in plans], np.nan_to_num(plate.truth(plans[0], 12, 64))
+        pictures = (Image.fromarray(np.rint(255.0 * encoded(one)).astype(np.uint8)) for one in (*drawn, exact))
+        crops += [one.convert("RGB").crop(box) for one in pictures]
+    labels = ["by zoom", "by area", "exact means"]
+    sheets = [_sheet(some, labels, 3) for some in (crops[:3], crops[3:])]
+    sheet = Image.new("RGB", (sheets[0].width, sum(one.height + 4 for one in sheets)), "white")
+    sheet.paste(sheets[0])
+    sheet.paste(sheets[1], (0, sheets[0].height + 4))
+    sheet.convert("L").quantize(24).save(folder / "realism-zone-plate.png", optimize=True)
+    crops = []
+    for values in ({"sampling": "zoom"}, {"sampling": "area"}, {"sampling": "area", "mtf50": 0.2}):
+        with tempfile.TemporaryDirectory() as made:
+            capture(sampled_plan(values.pop("sampling"), tilt_deg=80.0, **values), WorldSource(), made)
+            (path,) = Path(made).glob("satellite/*.tif")
+            crops.append(Image.open(path).convert("RGB").crop((230, 158, 430, 278)))
+    labels = ["by zoom", "by area", "by area, MTF50 of 0.2 cycles/px"]
+    _sheet(crops, labels, 3).save(folder / "realism-sampling.jpg", quality=72, optimize=True)
+
+
 def sensor_costs() -> None:
     """Reading out and demosaicing, of a daylight image of the sensor with every kind of noise."""
     from terrainav.core.camera.bayer import BILINEAR, MALVAR, demosaiced, mosaic
@@ -557,6 +650,7 @@ EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
     "lens over relief": (lens_costs, lens_picture),
     "sunlight": (sunlight_costs, sunlight_picture),
     "light": (light_costs, light_pictures),
+    "sampling": (sampling_costs, sampling_picture),
     "shutter": (shutter_costs, shutter_picture),
     "sensor": (sensor_costs, sensor_picture),
     "randomisation": (varied_costs, varied_picture),

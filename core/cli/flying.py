@@ -648,7 +648,9 @@ def _say(what: str) -> None:
 
 
 def run_report(arguments: argparse.Namespace) -> int:
-    """Measure a mission's error against run time."""
+    """Measure a mission's error against run time, or the sharpness of an image."""
+    if arguments.mtf is not None:
+        return _print_sharpness(arguments.mtf)
     from ..report.page import write_report
 
     mission, values = _settings(arguments)
@@ -660,4 +662,15 @@ def run_report(arguments: argparse.Namespace) -> int:
         _check_terms(planned, source, 200, arguments.accept_terms)
         page = write_report(planned, source, arguments.output, progress=_say)
     print(printable(f"report in {page}"))
+    return DONE
+
+
+def _print_sharpness(path: str) -> int:
+    """Print the contrast by spatial frequency of an image of an edge."""
+    from ..report.sharpness import edge_response, image_light
+
+    found = edge_response(image_light(path))
+    print(f"MTF50 {found.mtf50:.4f} cycles/px, edge slanted by {found.slant_deg:.2f} deg")
+    for frequency in (step / 20.0 for step in range(1, 11)):
+        print(f"{frequency:.2f} cycles/px  contrast {found.contrast_at(frequency):.3f}")
     return DONE

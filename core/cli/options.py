@@ -153,7 +153,13 @@ def _add_capture(capturing: argparse.ArgumentParser) -> None:
 
 def _add_report(reporting: argparse.ArgumentParser) -> None:
     _add_mission_options(reporting)
-    reporting.add_argument("--output", metavar="DIR", required=True, help="folder of the page and its images")
+    made = reporting.add_mutually_exclusive_group(required=True)
+    made.add_argument("--output", metavar="DIR", help="folder of the page and its images")
+    made.add_argument(
+        "--mtf",
+        metavar="IMAGE",
+        help="instead, print the contrast by spatial frequency of an image of a slanted edge (ISO 12233)",
+    )
     add_consent(reporting)
 
 

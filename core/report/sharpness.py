@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Floats
+from ..camera.light import LUMINANCE, linear_of_bytes
 from ..errors import InvalidInput
 
 #: Bins per pixel across the edge.
@@ -48,10 +50,33 @@ class EdgeResponse(NamedTuple):
         (before, after), (first, last) = self.contrast[at - 1 : at + 1], self.frequency[at - 1 : at + 1]
         return float(first + (last - first) * (before - contrast) / (before - after))
 
+    def contrast_at(self, frequency: float) -> float:
+        """Contrast at a frequency, cycles per px."""
+        return float(np.interp(frequency, self.frequency, self.contrast))
+
     @property
     def mtf50(self) -> float:
         """Cycles per px at which half of the contrast is left."""
         return self.frequency_at(0.5)
+
+
+def image_light(path: str) -> Floats:
+    """Luminance (h, w) of an image file of sRGB values, in linear light.
+
+    Raises
+    ------
+    InvalidInput
+        The file cannot be read as an image.
+    """
+    from ..dataset.dataset import UNREADABLE, open_undecoded
+
+    try:
+        with open_undecoded(Path(path)) as image:
+            values = np.asarray(image.convert("RGB"))
+    except UNREADABLE as wrong:
+        raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
+    found: Floats = linear_of_bytes(values).astype(np.float64) @ LUMINANCE
+    return found
 
 
 def edge_response(light: Floats) -> EdgeResponse:

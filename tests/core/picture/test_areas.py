@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
+from terrainav.core.camera.light import linear
 from terrainav.core.errors import InvalidInput
 from terrainav.core.external.compiling import numba_problem, without_numba
 from terrainav.core.geodesy.areas import MOST_LENGTH, plane_areas
@@ -11,15 +14,20 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.shot import draw, make_shot, picture_parts
 
 from tests.core.picture.test_camera_frame import WORLD, satellite
 from tests.core.picture.zone_plate import GRID, LAT, LON, ZonePlate
 
 
-def planned(grid=GRID, agl=120.0, **changes):
-    changes = {"frame": "camera", "image_px": 96, **changes}
-    return plan(Mission(Points(((LAT, LON, agl),)), agl, **changes), grid)
+def asked(agl=120.0, **changes):
+    return Mission(Points(((LAT, LON, agl),)), agl, **{"frame": "camera", "image_px": 96, **changes})
+
+
+def planned(grid=GRID, **changes):
+    mission = asked(**changes)
+    return plan(mission, grid, mission_heights(mission) if mission.terrain.elevation else None)
 
 
 @pytest.mark.parametrize(
@@ -134,3 +142,43 @@ def test_where_the_source_is_coarse_a_pixel_is_interpolated_once():
 def test_other_kernels_are_refused():
     with pytest.raises(InvalidInput, match="resampling nearest: must be bilinear for sampling area"):
         planned(sampling="area", resampling="nearest")
+
+
+@pytest.mark.parametrize("attitude", [{"tilt_deg": 70.0, "roll_deg": 25.0}])
+def test_relief_and_roofs_have_the_same_pixels_with_and_without_numba(attitude):
+    """Of the synthetic world with its houses; numpy finds the hits and draws, too."""
+    values = {"sampling": "area", "agl": 150.0, "elevation": ("world",), "surface": ("world",), **attitude}
+    pictures = []
+    for fast in (True, False):
+        with nullcontext() if fast else without_numba():
+            worked_out = planned(WORLD.grid, **values)
+            assert not worked_out.relief.is_level
+            parts = picture_parts(worked_out, WORLD, 0)
+            pixels = {part.window: satellite(part.window) for part in parts}
+            pictures.append(draw(make_shot(worked_out, 0), parts, pixels).pixels)
+            zooms = [part.zoom for part in worked_out.views.view(0).samples]
+            assert len(zooms) == len(set(zooms))
+    off = np.abs(pictures[0].astype(int) - pictures[1])
+    assert (off > 1).mean() < 0.002
+
+
+def over_relief(sampling, image_px, tilt_deg, **surface):
+    """Linear light (h, w, 3) of the synthetic world with relief."""
+    values = {"elevation": ("world",), "agl": 150.0, **surface}
+    worked_out = planned(WORLD.grid, sampling=sampling, image_px=image_px, tilt_deg=tilt_deg, **values)
+    parts = picture_parts(worked_out, WORLD, 0)
+    drawn = draw(make_shot(worked_out, 0), parts, {part.window: satellite(part.window) for part in parts})
+    return linear(drawn.pixels[..., :3] / 255.0)
+
+
+@pytest.mark.parametrize(("tilt_deg", "surface"), [(0.0, {"surface": ("world",)})])
+def test_over_relief_a_pixel_is_the_mean_of_64_pixels_of_a_larger_image(tilt_deg, surface):
+    """Edges of what hides other things are those at a pixel's middle: houses of a few pixels only straight down."""
+    fine = over_relief("zoom", 8 * 64, tilt_deg, **surface)
+    wanted = fine.reshape(fine.shape[0] // 8, 8, fine.shape[1] // 8, 8, 3).mean(axis=(1, 3))
+    shown = wanted.min(axis=2) > 0.0
+    interpolated, mean = (
+        float(np.median(np.abs(over_relief(one, 64, tilt_deg, **surface) - wanted).max(axis=2)[shown]))
+        for one in ("zoom", "area")
+    )
+    assert mean < 0.3 * interpolated, (mean, interpolated)

@@ -6,8 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from PIL import Image
 from scipy.special import erf
+from terrainav.core.camera.light import encoded
 from terrainav.core.camera.optics import gaussian_contrast, half_contrast, pixel_contrast
+from terrainav.core.cli import main
 from terrainav.core.errors import InvalidInput
 from terrainav.core.report.sharpness import edge_response
 
@@ -64,3 +67,18 @@ def test_other_images_are_refused(image, words):
     with pytest.raises(InvalidInput) as refused:
         edge_response(image)
     assert str(refused.value) == words
+
+
+def test_the_command_prints_the_sharpness_of_an_image(tmp_path, capsys):
+    exact = blurred_edge(1.2, 5.0, low=0.04, high=0.95)
+    image = np.rint(255.0 * encoded(exact))
+    Image.fromarray(image.astype(np.uint8)).save(tmp_path / "edge.png")
+    assert main(["report", "--mtf", str(tmp_path / "edge.png")]) == 0
+    first, *lines = capsys.readouterr().out.splitlines()
+    wanted = edge_response(exact)
+    assert first.startswith("MTF50 ")
+    assert first.endswith("cycles/px, edge slanted by 5.00 deg")
+    assert abs(float(first.split()[1]) / wanted.mtf50 - 1.0) < 0.01
+    assert len(lines) == 10
+    assert main(["report", "--mtf", str(tmp_path / "none.png")]) == 2
+    assert "none.png: cannot be read" in capsys.readouterr().err
