@@ -13,9 +13,7 @@ In reading order:
 - `tables`: figures as tables and as CSV
 - `sentences`: figures in words
 - `plots`: diagrams
-- `sharpness`: contrast by spatial frequency of a slanted edge
 - `heights`: height profiles as tables and diagrams
-- `sharpness`: sharpness of images, from a slanted edge
 - `machine`: processor, system and software versions
 - `page`: the page
 """
