@@ -38,6 +38,9 @@ _ENTERED = (
     "holes",
     "labels",
     "exposure",
+    "exposure_ms",
+    "image_sensor",
+    "pixel_um",
 )
 
 

@@ -79,7 +79,7 @@ def _check_sun(mission: Mission, source: Source | NamedSource) -> None:
         if not hasattr(source, "sun"):
             check_sun(source.title, sun)
         raise InvalidInput(
-            "sun {0}: {1} is opened in another light; open it with the mission's sun",
+            "sun {0}: {1} was opened in another light than the mission's",
             mission.sunlight.sun,
             source.title,
             field="sun",

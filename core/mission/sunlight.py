@@ -37,7 +37,7 @@ def mission_sun(mission: Mission) -> SunDirection | None:
             "sun {0}: needs the start of the flight",
             BY_START,
             field="sun",
-            remedy=Message("state it{0}", OptionName("start").in_brackets),
+            remedy=Message("give it{0}", OptionName("start").in_brackets),
         )
     heights, azimuths = sun_position(start, np.zeros(1), lat, lon, refracted=True)
     height, azimuth = float(heights[0]), float(azimuths[0])

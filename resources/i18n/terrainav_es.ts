@@ -9057,8 +9057,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/capture/making.py"/>
-        <source>sun {0}: {1} is opened in another light; open it with the mission's sun</source>
-        <translation>sol {0}: {1} está abierta con otra luz; ábrala con el sol de la misión</translation>
+        <source>sun {0}: {1} was opened in another light than the mission's</source>
+        <translation>sol {0}: {1} se abrió con otra luz que la de la misión</translation>
     </message>
     <message>
         <location filename="../../core/capture/pipeline.py"/>
@@ -9207,6 +9207,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/ground.py"/>
         <location filename="../../core/mosaic/frames.py"/>
+        <location filename="../../core/report/sharpness.py"/>
         <location filename="../../core/storage/files.py"/>
         <source>image {0}: cannot be read ({1})</source>
         <translation>imagen {0}: no se puede leer ({1})</translation>
@@ -14449,6 +14450,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <location filename="../../core/mission/sunlight.py"/>
         <source>give it{0}</source>
         <translation>indíquelo{0}</translation>
     </message>
@@ -16480,11 +16482,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/sunlight.py"/>
         <source>start by day{0}, or give its height and azimuth</source>
         <translation>empiece de día{0}, o indique su altura y su acimut</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/sunlight.py"/>
-        <source>state it{0}</source>
-        <translation>indíquelo{0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/sunlight.py"/>

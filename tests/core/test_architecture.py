@@ -87,7 +87,7 @@ ARROWS = {
     "labels": {*FLOOR, "geodesy", "vectors"},
     "picture": {*FLOOR, "geodesy", "camera", "mission", "imagery", "elevation", "vectors", "faces", "labels"},
     "capture": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "labels", "picture"},
-    "report": {*FLOOR, "geodesy", "mission", "imagery", "world", "dataset", "picture", "capture"},
+    "report": {*FLOOR, "geodesy", "camera", "mission", "imagery", "world", "dataset", "picture", "capture"},
     "mosaic": {*FLOOR, "geodesy", "mission", "dataset", "picture", "capture"},
     "pairs": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
     "benchmark": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "faces", "picture", "capture", "poses"},

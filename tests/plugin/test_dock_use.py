@@ -13,10 +13,14 @@ from qgis.core import QgsSettings
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractSpinBox, QApplication, QPushButton, QToolButton
+from terrainav.core.geodesy.lens import LENS_FIELDS
 from terrainav.terrainav_plugin.panel.dock import Dock
 
 # Calls of Python functions that one key may cost the main thread: some milliseconds of work.
 MOST_CALLS = 25_000
+
+#: Entries of numbers without a unit, or with one beside them.
+WITHOUT_UNIT = ("agl", "zoom", "turbulence", "f_number", "iso", "highest_iso", "adc_bits", *LENS_FIELDS)
 
 
 def type_number(spin, text):
@@ -235,7 +239,7 @@ def test_wheel_over_an_entry_scrolls_the_panel(desk):
 def test_every_number_has_its_unit_and_every_label_its_entry(desk):
     for group in desk.form.groups:
         for name, widget in group.entries.items():
-            if isinstance(widget, QAbstractSpinBox) and name not in ("agl", "zoom", "turbulence"):
+            if isinstance(widget, QAbstractSpinBox) and name not in WITHOUT_UNIT:
                 assert widget.suffix().strip(), name
 
 

@@ -13,10 +13,10 @@ def sun(text: str, **flight: str) -> None:
     mission_sun(Mission(Box(35.16, -89.90, 35.159, -89.899), 120.0, sun=text, **flight))
 
 
-@remedy("mission/sunlight.py", "sun {}: needs the start of the flight; state it (--start)")
+@remedy("mission/sunlight.py", "sun {}: needs the start of the flight; give it (--start)")
 def _without_start(case: Case) -> None:
     case.refused(lambda: sun("time"))
-    case.follow("state it (--start)", lambda: sun("time", start="2024-06-21T16:00:00Z"))
+    case.follow("give it (--start)", lambda: sun("time", start="2024-06-21T16:00:00Z"))
 
 
 @remedy(
