@@ -3,10 +3,13 @@ r"""Train a small embedding on images of one date, and judge how well it finds p
     AREA=47.0290_-99.1775_47.0085_-99.1330
     terrainav benchmark make --coords ${AREA}_400 --yaw 30 --format png --split none \
         --queries 2009=2009.tif 2014=2014.tif 2020=2020.tif --reference 2014=2014.tif --data-dir bench
-    terrainav capture --coords ${AREA}_550 --aspect-ratio 1 1 --overlap 0.75 --source 2014.tif --data-dir ideal
-    terrainav capture … --vary exposure_ms=… white_balance_k=… --seed 1 --data-dir varied-1
+    WIDER="--coords ${AREA}_550 --aspect-ratio 1 1 --overlap 0.85 --img-size 128 128 3 --bands 1 2 3 --source 2014.tif"
+    terrainav capture $WIDER --data-dir ideal
+    for seed in 1 2 3; do terrainav capture $WIDER --seed $seed --data-dir varied-$seed \
+        --exposure manual --exposure-ms 1.5 --vary "exposure_ms=lognormal(1.5,0.4) within(0.5,4)" \
+        "white_balance_k=uniform(4500,9000)" "visibility_km=loguniform(2,50)"; done
     python examples/train_embedding.py bench ideal                     # from ideal images alone
-    python examples/train_embedding.py bench ideal varied-1 varied-2   # and from those of real cameras
+    python examples/train_embedding.py bench ideal varied-?            # and from those of real cameras
 
 The folders have the same places, in images of which each is wider than a query. The network learns from pairs of crops
 of a place, up to half a tile apart, each from any of the folders, which crops belong together (InfoNCE; van den Oord,
@@ -145,7 +148,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("benchmark", help="the benchmark's folder")
     parser.add_argument("folders", metavar="OUT", nargs="+", help="datasets of the same places")
-    parser.add_argument("--steps", type=int, default=1500)
+    parser.add_argument("--steps", type=int, default=500)
     parser.add_argument("--batch-size", type=int, default=64)
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--standardise", action="store_true", help="give each image the same mean and contrast first")
