@@ -275,7 +275,7 @@ def test_imagery_keeps_its_light(tmp_path):
     source = PatternSource()
     with pytest.raises(InvalidInput, match="has the light in which it was taken"):
         capture(plan(mission, source.grid), source, tmp_path / "a")
-    with pytest.raises(InvalidInput, match="open it with the mission's sun"):
+    with pytest.raises(InvalidInput, match="opened in another light than the mission's"):
         capture(plan(mission, WorldSource.grid), WorldSource(), tmp_path / "b")
 
 
