@@ -209,6 +209,8 @@ def test_values_are_drawn_by_seed_and_name_of_the_image():
 
 @pytest.mark.parametrize("name", ["flight.plan", "flight.kml", "flight.gpkg"])
 def test_flights_for_drones_are_along_the_planned_poses(tmp_path, name):
+    if name.endswith(".gpkg"):
+        pytest.importorskip("osgeo.ogr")
     flight = {"area": Box(47.402, 8.50, 47.40, 8.503), "frame": "camera"}
     random = write_plan(planned("east_m=uniform(-20,20)", **flight), tmp_path / f"random.{name}")
     assert any("random poses" in note for note in random.notes)
