@@ -16,7 +16,6 @@ from ..dataset.folder import TABLE_FILE, clean_type
 from ..dataset.table import Table
 from ..errors import Message, PartError
 from ..geodesy.camera import Camera, Poses
-from ..geodesy.lens import FISHEYE
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
 from ..labels.label_map import LabelMap
@@ -401,8 +400,7 @@ def _lens_columns(camera: Camera, count: int) -> dict[str, tuple[str, ...]]:
     """Columns of the lens by header, as OpenCV defines its coefficients; none for a lens without distortion."""
     if not camera.distorts:
         return {}
-    names = ("k1", "k2", "k3", "k4") if camera.lens == FISHEYE else ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
-    return {name: (str(getattr(camera, name)),) * count for name in ("lens", *names)}
+    return {name: (str(value),) * count for name, value in {"lens": camera.lens, **camera.coefficients}.items()}
 
 
 def _shard_columns(rows: Sequence[Outcome]) -> dict[str, Any]:

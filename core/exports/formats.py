@@ -79,13 +79,12 @@ def colmap(views: Views, _: Path) -> dict[str, str]:
 
 def _colmap_lens(camera: Camera) -> tuple[str, tuple[float, ...]]:
     """COLMAP's model of a lens, and its parameters after the pinhole's."""
-    k = (camera.k1, camera.k2, camera.k3, camera.k4, camera.k5, camera.k6)
+    distortion = tuple(camera.coefficients.values())
     if camera.lens == FISHEYE:
-        return "OPENCV_FISHEYE", k[:4]
-    if any(k[2:]):
-        return "FULL_OPENCV", (*k[:2], camera.p1, camera.p2, *k[2:])
-    distortion = (*k[:2], camera.p1, camera.p2)
-    return ("OPENCV", distortion) if any(distortion) else ("PINHOLE", ())
+        return "OPENCV_FISHEYE", distortion
+    if any(distortion[4:]):
+        return "FULL_OPENCV", distortion
+    return ("OPENCV", distortion[:4]) if any(distortion) else ("PINHOLE", ())
 
 
 def nerfstudio(views: Views, path: Path) -> dict[str, str]:

@@ -261,6 +261,12 @@ class Lens(CheckedFields):
         return not (self.distorts or self.splits_colours)
 
     @property
+    def coefficients(self) -> dict[str, float]:
+        """Coefficients that this kind of lens has, by name, in OpenCV's order."""
+        others = ("k3", "k4") if self.lens == FISHEYE else ("p1", "p2", "k3", "k4", "k5", "k6")
+        return {name: getattr(self, name) for name in ("k1", "k2", *others)}
+
+    @property
     def half_tangents(self) -> tuple[float, float]:
         """Half the width and half the height of the image in focal lengths.
 
