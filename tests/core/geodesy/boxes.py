@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import numpy as np
+import pytest
+from terrainav.core.external import compiling
 from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.local import geocentric
@@ -62,3 +66,18 @@ def tracing_of(faces, tilt_deg, *, height_m=400.0, yaw_deg=20.0, at=(0.0, -60.0)
     poses = Poses(*(np.array([value]) for value in (*place, height_m - 100.0, yaw_deg, tilt_deg, 0.0)))
     scene = ImageGeometry(Camera(78.8, size[0] / size[1]), *size, poses)
     return Tracing(scene, height_m, Kept(surface, cell_m), float(z.min()), TOLERANCE_PX, faces, **more)
+
+
+def town_boxes():
+    """A town of 150 boxes."""
+    rng = np.random.default_rng(3)
+    west, south = rng.uniform(-280, 250, (2, 150))
+    wide, deep = rng.uniform(4, 25, (2, 150))
+    return Boxes(np.stack([west, south, wide, deep, np.full(150, 100.0), rng.uniform(104, 140, 150)], axis=1))
+
+
+def code(is_compiled):
+    """Context of compiled code, or of numpy's."""
+    if is_compiled and not compiling.uses_numba():
+        pytest.skip("numba is not installed")
+    return nullcontext() if is_compiled else compiling.without_numba()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from terrainav.core.geodesy.raytracing.faces import face_hits
 from terrainav.core.geodesy.raytracing.pixel_rays import PixelRays
 from terrainav.core.geodesy.triangles import NO_FACES, RELIEF, ROOF, WALL, Triangles
 
-from tests.core.geodesy.boxes import LAT, LON, Boxes, tracing_of
+from tests.core.geodesy.boxes import LAT, LON, Boxes, code, town_boxes, tracing_of
 
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
 ZOOMS = (0, 22)
@@ -24,17 +23,7 @@ BOTH = pytest.mark.parametrize("is_compiled", [True, False])
 
 @pytest.fixture
 def town():
-    rng = np.random.default_rng(3)
-    west, south = rng.uniform(-280, 250, (2, 150))
-    wide, deep = rng.uniform(4, 25, (2, 150))
-    return Boxes(np.stack([west, south, wide, deep, np.full(150, 100.0), rng.uniform(104, 140, 150)], axis=1))
-
-
-def code(is_compiled):
-    """Context of compiled code, or of numpy's."""
-    if is_compiled and not compiling.uses_numba():
-        pytest.skip("numba is not installed")
-    return nullcontext() if is_compiled else compiling.without_numba()
+    return town_boxes()
 
 
 def over(faces, tilt_deg, **more):

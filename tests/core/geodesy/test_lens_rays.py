@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
-
 import numpy as np
 import pytest
 from terrainav.core.external import compiling
@@ -16,7 +14,7 @@ from terrainav.core.geodesy.raytracing.tracing import Tracing
 from terrainav.core.geodesy.triangles import NO_FACES, RELIEF, ROOF
 from terrainav.core.geodesy.view import pixel_detail
 
-from tests.core.geodesy.boxes import LAT, LON, METRE_LAT, METRE_LON, TOLERANCE_PX, Boxes
+from tests.core.geodesy.boxes import LAT, LON, METRE_LAT, METRE_LON, TOLERANCE_PX, code, town_boxes
 from tests.core.geodesy.cliffs import Kept, surface_about
 from tests.core.geodesy.test_relief import bilinear, heights, on_earth
 
@@ -41,17 +39,7 @@ def camera(request):
 
 @pytest.fixture
 def town():
-    rng = np.random.default_rng(3)
-    west, south = rng.uniform(-280, 250, (2, 150))
-    wide, deep = rng.uniform(4, 25, (2, 150))
-    return Boxes(np.stack([west, south, wide, deep, np.full(150, 100.0), rng.uniform(104, 140, 150)], axis=1))
-
-
-def code(is_compiled):
-    """Context of compiled code, or of numpy's."""
-    if is_compiled and not compiling.uses_numba():
-        pytest.skip("numba is not installed")
-    return nullcontext() if is_compiled else compiling.without_numba()
+    return town_boxes()
 
 
 def tracing_of(camera, faces, tilt_deg, *, height_m=300.0, at=(0.0, -60.0), size=SIZE, ground=None, **more):
