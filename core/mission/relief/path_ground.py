@@ -244,18 +244,35 @@ def highest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Float
 
 def _highest_pixels(surface: Surface, reach: int) -> Callable[[Floats, Floats], Floats]:
     """Function that returns the greatest height of pixels up to ``reach`` from the nearest one to positions (n,)."""
-    top = np.where(np.isnan(surface.heights_m), -np.inf, surface.heights_m).astype(np.float32)
-    for axis in (0, 1):
-        top = _running_max(top, min(reach, top.shape[axis] - 1), axis)
+    heights = surface.heights_m
+
+    @lru_cache(maxsize=1)
+    def tops() -> NDArray[np.float32]:
+        """Greatest heights around all pixels; minus infinity where unknown."""
+        top = np.where(np.isnan(heights), -np.inf, heights).astype(np.float32)
+        for axis in (0, 1):
+            top = _running_max(top, min(reach, top.shape[axis] - 1), axis)
+        return top
+
+    def around(row: int, column: int) -> np.float32:
+        """Greatest height around one pixel; NaN where unknown."""
+        near = heights[max(row - reach, 0) : row + reach + 1, max(column - reach, 0) : column + reach + 1]
+        return np.float32(np.fmax.reduce(near, axis=None))
+
+    # Few positions are cheaper one by one.
+    few = heights.size // min((2 * reach + 1) ** 2, heights.size)
 
     def highest(lat_deg: Floats, lon_deg: Floats) -> Floats:
         found = np.empty(len(lat_deg))
         for start in range(0, len(found), BATCH):
             some = slice(start, start + BATCH)
             column, row = surface.position(lat_deg[some], lon_deg[some])
-            i = np.clip(np.rint(row), 0, top.shape[0] - 1).astype(np.int64)
-            j = np.clip(np.rint(column), 0, top.shape[1] - 1).astype(np.int64)
-            found[some] = top[i, j]
+            i = np.clip(np.rint(row), 0, heights.shape[0] - 1).astype(np.int64)
+            j = np.clip(np.rint(column), 0, heights.shape[1] - 1).astype(np.int64)
+            if len(found) <= few:
+                found[some] = [around(*at) for at in zip(i.tolist(), j.tolist())]
+            else:
+                found[some] = tops()[i, j]
         found[~np.isfinite(found)] = np.nan
         return found
 
