@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.mission.relief.path_ground import cell_size_m, highest_around, lowest_around
