@@ -170,7 +170,7 @@ def xmp(description: Description, exposure: Exposure) -> bytes:
         "Roll": repr(degrees(description.roll_deg)),
         "GPSXYAccuracy": repr(accuracy(across_m)),
         "GPSZAccuracy": repr(accuracy(in_height_m)),
-        "ModelType": "perspective",
+        "ModelType": exposure.body.lens,
         "PrincipalPoint": f"{figure(x_mm)!r},{figure(y_mm)!r}",
         "PerspectiveFocalLength": repr(figure(length)),
         "AboveGroundAltitude": repr(figure(description.agl_m)),

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..arrays import NDArray, Numbers
 from ..geodesy.camera import Camera
-from ..geodesy.lens import FISHEYE, PERSPECTIVE
+from ..geodesy.lens import FISHEYE
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
 from ..picture.optics import Optics, camera_body, plan_optics
@@ -74,22 +74,24 @@ def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:
 
 
 def odm_cameras(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
-    """Return cameras by the names that OpenSfM and OpenDroneMap derive from an image's tags.
+    """Return cameras by the names that OpenDroneMap derives from an image's tags.
 
     A name has the image's size and the focal length in image widths, cut to six characters, so images of one camera may
     have different names at other latitudes or if one is a pixel wider. The model is Brown's, which has focal lengths
     along rows and columns, or OpenCV's fisheye. Lengths are relative to the longer side, and midway between the
-    extremes of the images that share a name. Without cameras if the lens has coefficients that OpenSfM's models lack.
+    extremes of the images that share a name. Without cameras if the lens has coefficients that OpenDroneMap ignores.
     """
     camera = plan.mission.camera
-    if camera.lens == PERSPECTIVE and any((camera.k4, camera.k5, camera.k6)):
+    if any((camera.k4, camera.k5, camera.k6)):
         return {}
     body = camera_body(camera)
+    # OpenDroneMap's name for a fisheye.
+    projection = "fisheye_opencv" if body.lens == FISHEYE else body.lens
     found: dict[str, list[tuple[float, ...]]] = {}
     for width, height, focal_x, focal_y in np.unique(np.stack(optics[:4], axis=1), axis=0).tolist():
         ratio = FocalTags.from_lengths(body.focal_length_mm, focal_x, focal_y).ratio(int(width))
         size = f"{int(width)} {int(height)}"
-        name = f"v2 {MAKE} {body.model} {size} perspective {str(ratio)[:6]}".lower()
+        name = f"v2 {MAKE} {body.model} {size} {projection} {str(ratio)[:6]}".lower()
         found.setdefault(name, []).append((width, height, focal_x, focal_y))
     return {name: _camera(camera, np.array(found[name])) for name in sorted(found)}
 
@@ -98,7 +100,7 @@ def _camera(camera: Camera, sizes_and_focals: NDArray[np.float64]) -> dict[str, 
     width, height, focal_x, focal_y = ((sizes_and_focals.min(axis=0) + sizes_and_focals.max(axis=0)) / 2.0).tolist()
     longer = max(width, height)
     is_fisheye = camera.lens == FISHEYE
-    names = ("k1", "k2", "k3", "k4") if is_fisheye else ("k1", "k2", "k3", "p1", "p2")
+    names = ("k1", "k2", "k3") if is_fisheye else ("k1", "k2", "k3", "p1", "p2")
     return {
         "projection_type": "fisheye_opencv" if is_fisheye else "brown",
         "width": int(width),

@@ -31,10 +31,11 @@ FINEST_ACCURACY_M = 0.01
 
 
 class Body(NamedTuple):
-    """A camera's model, and its focal length in mm."""
+    """A camera's model, its focal length in mm, and the kind of its lens: perspective or fisheye."""
 
     model: str
     focal_length_mm: float
+    lens: str
 
 
 @lru_cache(maxsize=8)
@@ -48,8 +49,9 @@ def camera_body(camera: Camera) -> Body:
         known = ((preset.camera.fov_deg, camera.fov_deg), (preset.camera.aspect_ratio, camera.aspect_ratio))
         # Compare all but rounding.
         if all(math.isclose(one, other, rel_tol=1e-9) for one, other in known):
-            return Body(f"{preset.name} (simulated)", preset.focal_length_mm or focal_length_mm)
-    return Body(f"FOV {camera.fov_deg:.6g} deg, {camera.aspect_ratio:.6g} to 1 (simulated)", focal_length_mm)
+            return Body(f"{preset.name} (simulated)", preset.focal_length_mm or focal_length_mm, camera.lens)
+    model = f"FOV {camera.fov_deg:.6g} deg, {camera.aspect_ratio:.6g} to 1 (simulated)"
+    return Body(model, focal_length_mm, camera.lens)
 
 
 class Optics(NamedTuple):

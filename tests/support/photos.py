@@ -47,10 +47,11 @@ def focal_ratio(tags) -> float:
 
 
 def camera_id(tags) -> str:
-    """Name of a photo's camera: `camera_id` of opendm/photo.py and of opensfm/exif.py."""
+    """Name of a photo's camera: `camera_id` of opendm/photo.py, and of opensfm/exif.py but for fisheyes."""
+    projection = {"fisheye": "fisheye_opencv"}.get(tags["XMP-Camera:ModelType"], tags["XMP-Camera:ModelType"])
     model = tags["IFD0:Model"].replace(tags["IFD0:Make"], "")
     size = [str(tags["ExifIFD:ExifImageWidth"]), str(tags["ExifIFD:ExifImageHeight"])]
-    words = ["v2", tags["IFD0:Make"].strip(), model.strip(), *size, tags["XMP-Camera:ModelType"]]
+    words = ["v2", tags["IFD0:Make"].strip(), model.strip(), *size, projection]
     return " ".join([*words, str(float(focal_ratio(tags)))[:6]]).lower()
 
 

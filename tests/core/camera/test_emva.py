@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-import os
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import constants
 from terrainav.core.camera.sensor import Detector, read_out
 
-PEER = Path(__file__).parents[3] / ".venv" / "peers" / "bin" / "python"
+from tests.support.peers import told_by_peers
+
 STEPS, STACK = 50, 48
 PEER_CODE = """
 import json, logging, sys
@@ -42,10 +40,6 @@ print(json.dumps([float(one) for one in (found.K, found.QE, found.sigma_d, found
     ids=["small well", "large well", "8 bits"],
 )
 def test_the_program_of_the_standard_finds_the_figures(detector, tmp_path):
-    if not PEER.is_file():
-        if os.environ.get("CI") == "true":
-            pytest.fail(f"{PEER} is not there")
-        pytest.skip(f"{PEER}, an environment with emva1288, is not there; tools/setup.sh makes it")
     size = 420, 560
     # 50,000 lux on the sensor: photons by watts at 555 nm.
     photons_per_s = 50_000.0 / 683.0 / (constants.h * constants.c / 555e-9) * (detector.pixel_um * 1e-6) ** 2
@@ -65,10 +59,7 @@ def test_the_program_of_the_standard_finds_the_figures(detector, tmp_path):
                 np.save(tmp_path / f"{name}.npy", read_out(detector, exposure, time_s, 1, name))
                 lines.append(f"i {name}.npy")
     (tmp_path / "flats.txt").write_text("\n".join((*lines, "")))
-    command = [PEER, "-c", PEER_CODE, tmp_path / "flats.txt"]
-    run = subprocess.run(command, check=False, capture_output=True, text=True, timeout=600)
-    assert run.returncode == 0, run.stderr
-    gain, efficiency, dark_e, prnu, dsnu_e = json.loads(run.stdout)
+    gain, efficiency, dark_e, prnu, dsnu_e = json.loads(told_by_peers("-c", PEER_CODE, tmp_path / "flats.txt"))
     # Spatial variances have a relative error of sqrt(2/n), and so has the temporal noise that is left in mean images.
     half_e = well_e / 2.0
     left = half_e / STACK / (detector.prnu * half_e) ** 2

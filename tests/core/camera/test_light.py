@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import os
-import subprocess
 from decimal import Decimal
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,6 +25,8 @@ from terrainav.core.camera.light import (
     white_balance,
     white_exposure_s,
 )
+
+from tests.support.peers import told_by_peers
 
 
 def exact(value: int) -> Decimal:
@@ -181,7 +180,6 @@ def test_channels_are_mixed_as_by_a_product_of_matrices():
     assert mixed(np.float32([[[1.0, 0.0, 0.0]]]), np.diag([-1.0, 1.0, 1.0]))[0, 0, 0] == 0.0
 
 
-PEER = Path(__file__).parents[3] / ".venv" / "peers" / "bin" / "python"
 #: White points and matrices in linear sRGB by temperature: Planck's law summed with the CIE's colour matching
 #: functions, or the CIE's daylight, and the adaptation of Bradford.
 PEER_CODE = """
@@ -207,16 +205,8 @@ print(json.dumps(found))
 
 
 def test_white_balance_is_that_of_colour_science():
-    if not PEER.is_file():
-        # The set-up of the tests makes it.
-        if os.environ.get("CI") == "true":
-            pytest.fail(f"{PEER} is not there")
-        pytest.skip(f"{PEER}, an environment with colour-science, is not there; tools/setup.sh makes it")
     temperatures = ["2000", "2500", "2856", "3200", "3999", "4000", "4500", "6504", "7500", "12000", "25000"]
-    command = [PEER, "-c", PEER_CODE, *temperatures]
-    run = subprocess.run(command, check=False, capture_output=True, text=True, timeout=600)
-    assert run.returncode == 0, run.stderr
-    for text, (xy, matrix) in json.loads(run.stdout).items():
+    for text, (xy, matrix) in json.loads(told_by_peers("-c", PEER_CODE, *temperatures)).items():
         # Krystek's formula for Planck's law is an approximation; those of daylight are the CIE's. At 2,000 K, z is
         # 0.06, of which its error is 0.7 %.
         planckian = float(text) < 4000.0

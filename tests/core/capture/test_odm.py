@@ -99,6 +99,38 @@ def test_both_files_say_what_the_photos_say(tmp_path, mission):
         assert [model["focal_x"], model["focal_y"]] == pytest.approx(exact, rel=SIXTH_DIGIT)
 
 
+LENSES = {
+    "brown": ({"k1": -0.2, "k2": 0.05, "k3": -0.01, "p1": 0.002, "p2": -0.001}, "perspective"),
+    "fisheye_opencv": ({"k1": 0.02, "k2": -0.01, "k3": 0.002}, "fisheye"),
+}
+
+
+@pytest.mark.parametrize("model", LENSES)
+def test_lenses_have_the_coefficients_that_opendronemap_keeps(tmp_path, model):
+    coefficients, lens = LENSES[model]
+    camera = Camera(70.0, lens=lens, principal_x=0.02, principal_y=-0.01, **coefficients)
+    worked_out = planned(MISSION.replace(camera=camera, max_px=120))
+    capture(worked_out, PatternSource(), tmp_path, only=[0])
+    (photo,) = (tmp_path / "satellite").glob("*.jpg")
+    (tags,) = exiftool(photo)
+    assert tags["XMP-Camera:ModelType"] == lens
+    told = cameras(tmp_path / "satellite")[camera_id(tags)]
+    # Keys that `get_opensfm_camera_models` of opendm/camera.py keeps.
+    kept = {"projection_type", "width", "height", "focal_x", "focal_y", "c_x", "c_y", "k1", "k2", "k3", "p1", "p2"}
+    assert set(told) <= kept
+    assert told["projection_type"] == model
+    assert {name: told[name] for name in coefficients} == coefficients
+    # In units of the longer side.
+    assert (told["c_x"], told["c_y"]) == (0.02, pytest.approx(-0.01 * told["height"] / told["width"], rel=SIXTH_DIGIT))
+
+
+@pytest.mark.parametrize("lens", ["perspective", "fisheye"])
+def test_a_lens_that_opendronemap_would_cut_short_has_no_camera(tmp_path, lens):
+    camera = Camera(70.0, lens=lens, k1=0.01, k4=0.001)
+    capture(planned(MISSION.replace(camera=camera, max_px=120)), PatternSource(), tmp_path, only=[0])
+    assert cameras(tmp_path / "satellite") == {}
+
+
 def test_poses_have_the_digits_that_mean_something(tmp_path):
     worked_out = planned()
     capture(worked_out, PatternSource(), tmp_path)

@@ -2,10 +2,7 @@ from __future__ import annotations
 
 import json
 import math
-import os
-import subprocess
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +13,7 @@ from terrainav.core.dataset.dataset import Images, open_image
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.errors import InvalidInput
 
+from tests.support.peers import told_by_peers
 from tests.support.thinning import examples
 
 # Sums of 256 terms in another order.
@@ -78,7 +76,6 @@ def test_what_is_no_image_is_refused(image):
 
 # --- against scikit-image, which has an environment of its own
 
-PEER = Path(__file__).parents[3] / ".venv" / "peers" / "bin" / "python"
 #: Images (name.npy) of a folder: made grey as Pillow does it there, and scikit-image's entropy of that.
 PEER_CODE = """
 import json, pathlib, sys
@@ -118,17 +115,10 @@ def kinds_of_images():
 
 
 def test_it_is_scikit_images_shannon_entropy(tmp_path):
-    if not PEER.is_file():
-        # The set-up of the tests makes it.
-        if os.environ.get("CI") == "true":
-            pytest.fail(f"{PEER} is not there")
-        pytest.skip(f"{PEER}, an environment with scikit-image, is not there; tools/setup.sh makes it")
     images = kinds_of_images()
     for name, image in images.items():
         np.save(tmp_path / f"{name}.npy", image)
-    peer = subprocess.run([PEER, "-I", "-c", PEER_CODE, tmp_path], capture_output=True, text=True, check=False)
-    assert peer.returncode == 0, peer.stderr
-    theirs = json.loads(peer.stdout)
+    theirs = json.loads(told_by_peers("-I", "-c", PEER_CODE, tmp_path))
     assert theirs.keys() == images.keys()
     assert {name: entropy(image) for name, image in images.items()} == pytest.approx(theirs, rel=0, abs=ROUNDING)
 
