@@ -216,6 +216,11 @@ class Plan:
         stated = {name: value for name, value in offsets.items() if name not in self.poses._fields}
         return {**stated, **varied.draw(seed, self.names[index])}
 
+    @cached_property
+    def drawn_fields(self) -> tuple[str, ...]:
+        """Fields of the values that are drawn for each picture."""
+        return tuple(self.drawn(0))
+
     def settings(self, index: int) -> Mission:
         """The mission as the camera of one picture has it, with the values that are drawn for the picture."""
         varied = self.mission.varied

@@ -7035,6 +7035,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>{help} If empty, as the chosen camera has it.</source>
+        <translation>{help} Si se deja vacío, como lo tiene la cámara elegida.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>{help} Without a chosen camera.</source>
         <translation>{help} Donde no se elige ninguna cámara.</translation>
     </message>

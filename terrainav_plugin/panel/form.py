@@ -196,15 +196,18 @@ class DockForm(QWidget):
         entered = apply_preset(state, preset, self.imagery.offered())
         if camera is not None:
             entered = self.camera_group.apply_camera(entered, camera)
-        # Groups that unfold for unusual values must not scroll the chooser out of view.
+        self._set_in_place(entered)
+        changes = preset_changes(state, entered, preset, camera.name if camera is not None else "")
+        self.preset_taken.emit(preset, changes)
+
+    def _set_in_place(self, state: FormState) -> None:
+        """Enter a state; groups that unfold for unusual values do not scroll the chooser out of view."""
         scrolls = [box for box in self.boxes if box.scrollOnExpand()]
         for box in scrolls:
             box.setScrollOnExpand(False)
-        self.set_state(entered)
+        self.set_state(state)
         for box in scrolls:
             box.setScrollOnExpand(True)
-        changes = preset_changes(state, entered, preset, camera.name if camera is not None else "")
-        self.preset_taken.emit(preset, changes)
 
     def _show_preset(self) -> None:
         preset = find_preset(self.state(), self.imagery.offered())
@@ -269,7 +272,7 @@ class DockForm(QWidget):
         self.changed.connect(self.area_editing.note)
         self.imagery.changed.connect(self._changed)
         self.presets.chosen.connect(self._take_preset)
-        self.realism.kinds.chosen.connect(lambda kind: self.set_state(apply_camera_kind(self.state(), kind)))
+        self.realism.kinds.chosen.connect(lambda kind: self._set_in_place(apply_camera_kind(self.state(), kind)))
         self.changed.connect(self._show_preset)
         self.changed.connect(self._show_headings)
         for group in self.groups:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +23,7 @@ from qgis.core import (
 
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
-from ...core.geodesy.lens import Lens
+from ...core.geodesy.lens import LENS_FIELDS, Lens
 from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Pixels
 from ...core.numbers import integer
@@ -43,11 +44,12 @@ _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
 #: Parameters whose names differ from the command's options, by field.
 _IDS = {"overlap_along": "FRONT_OVERLAP", "overlap_across": "SIDE_OVERLAP", "map_types": "MAP_TYPES"}
-#: Fields whose parameter has no default value although the mission has one: the chosen camera determines ``image_px``,
-#: and the texts may be left empty.
-_IF_GIVEN = ("image_px", "start", "date", "crs")
+#: Fields whose parameter has no default value although the mission has one: the chosen camera determines ``image_px``
+#: and the lens, and the texts may be left empty.
+_IF_GIVEN = ("image_px", "start", "date", "crs", *LENS_FIELDS)
 #: The last parameter of a mission, which replaces all others.
 _FILE = "MISSION"
+_LENS = tuple(field_named(Lens, name) for name in LENS_FIELDS)
 _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "turbulence"}
 
 
@@ -135,7 +137,7 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
     if field.choices and field.kind is tuple:
         return run.chosen(name)
     if field.choices:
-        return run.choice(name)
+        return run.choice(name) or None
     if field.kind is str:
         text = run.text(name).strip()
         return (text.lower() if field.name == "facing" else text) or None
@@ -154,7 +156,7 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     name, title = _parameter_id(field), field_title(field)
     if field.choices:
         several = field.kind is tuple
-        usual = list(field.default) if several else field.default
+        usual = None if field.name in _IF_GIVEN else list(field.default) if several else field.default
         # An optional parameter offers no value for "nothing".
         choices = {value: translate(words) for value, words in field.choices.items() if value}
         return ChoiceParameter(name, title, choices, usual or None, several=several)
@@ -244,6 +246,9 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
         QgsProcessingParameterString("ASPECT", tr("Aspect ratio, width:height"), aspect_text(Lens.aspect_ratio)),
         tr("Without a chosen camera; such as 4:3, 16:9 or 1.5."),
     )
+    for field in _LENS:
+        text = tr("{help} If empty, as the chosen camera has it.").format(help=field_sentence(field))
+        algorithm.add(_parameter(field), text, advanced=True)
 
 
 def _add_source(algorithm: Algorithm, listed: bool) -> None:
@@ -327,16 +332,18 @@ def _camera(run: AlgorithmRun) -> tuple[Camera, int]:
     from ...core.geodesy.camera import Camera
     from ...core.mission.cameras import camera_named
 
+    given = {field.name: _value(run, field) for field in _LENS}
+    lens = {name: value for name, value in given.items() if value is not None}
     name = run.choice("CAMERA")
     if name:
         preset = camera_named(name)
-        return preset.camera, preset.image_px or Pixels.image_px
+        return replace(preset.camera, **lens), preset.image_px or Pixels.image_px
     text = run.text("ASPECT")
     try:
         ratio = parse_aspect(text)
     except ValueError as wrong:
         raise InvalidInput(tr("aspect ratio {text!r}: must be such as 4:3").format(text=text)) from wrong
-    return Camera(run.number("FOV"), ratio), Pixels.image_px
+    return Camera(run.number("FOV"), ratio, **lens), Pixels.image_px
 
 
 def _wind(run: AlgorithmRun, seed: int) -> Wind | None:

@@ -164,8 +164,8 @@ class PlanAlgorithm(Algorithm):
         results: dict[str, Any] = _values(summary)
         kinds = QgsWkbTypes.Type
         for name, found, kind, fields in (
-            ("FOOTPRINTS", footprints, kinds.MultiPolygon, capture_fields()),
-            ("CAPTURES", captures, kinds.Point, capture_fields()),
+            ("FOOTPRINTS", footprints, kinds.MultiPolygon, capture_fields(worked_out)),
+            ("CAPTURES", captures, kinds.Point, capture_fields(worked_out)),
             ("FLIGHT", flight_line_features, kinds.MultiLineString, flight_fields()),
         ):
             if not run.is_given(name):
@@ -221,9 +221,9 @@ class PlanAlgorithm(Algorithm):
             results["EXPORT"] = str(exported.files[0])
 
 
-def capture_fields() -> QgsFields:
+def capture_fields(plan: Plan) -> QgsFields:
     """Fields of the layers of footprints and captures."""
-    return make_fields(_CAPTURE)
+    return make_fields((*_CAPTURE, *((name, "number") for name in plan.drawn_fields)))
 
 
 def flight_fields() -> QgsFields:
@@ -366,5 +366,5 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
         ~plan.corners.hit.all(axis=1),
         plan.times_s,
     )
-    for name, *values in zip(plan.names, *(column.tolist() for column in columns)):
-        yield (name, *values, start.addMSecs(round(1000.0 * values[-1])))
+    for index, (name, *values) in enumerate(zip(plan.names, *(column.tolist() for column in columns))):
+        yield (name, *values, start.addMSecs(round(1000.0 * values[-1])), *plan.drawn(index).values())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -36,12 +37,16 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 from qgis.PyQt.QtGui import QImage
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
+from terrainav.core.fields import declared_fields
 from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.lens import Lens
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Box, Points, Polygon
+from terrainav.core.mission.cameras import add_camera, camera_named
 from terrainav.core.mission.estimate import OFFLINE, estimate
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.parts import FLAT_PARTS, REALISM_PARTS
 from terrainav.core.mission.plan import plan
 from terrainav.core.poses.line import fly
 from terrainav.core.poses.settings import LineFlight
@@ -508,6 +513,47 @@ def test_every_field_of_a_mission_has_its_parameter(tmp_path):
     again = tmp_path / "again.json"
     run("plan", MISSION=str(path), MISSION_FILE=str(again), FOOTPRINTS="memory:")
     assert again.read_bytes() == path.read_bytes()
+
+
+def test_the_lens_and_every_field_of_a_real_camera_have_a_parameter(provider):
+    ids = {one.name() for one in provider.algorithm("plan").parameterDefinitions()}
+    fields = [one for part in (Lens, *map(FLAT_PARTS.get, REALISM_PARTS)) for one in declared_fields(part)]
+    assert {one.name_of_option.upper() for one in fields if one.name != "aspect_ratio"} <= ids
+
+
+def test_the_lens_is_that_of_the_parameters_where_they_are_given(tmp_path):
+    def lens(**parameters):
+        path = tmp_path / "mission.json"
+        run("plan", COORDS="35.15_-89.9_200", MISSION_FILE=str(path), FOOTPRINTS="memory:", **parameters)
+        return Mission.load(str(path)).camera
+
+    assert lens(FOV=70).is_ideal
+    assert lens(FOV=70, K1=-0.2, P2=0.001, PRINCIPAL_X=0.01, RED_SCALE=0.001) == Camera(
+        70.0, k1=-0.2, p2=0.001, principal_x=0.01, red_scale=0.001
+    )
+    assert lens(FOV=150, LENS="fisheye", K4=0.001) == Camera(150.0, lens="fisheye", k4=0.001)
+    named = {"focal_px": 1000.0, "size_px": [1280, 960], "k1": -0.2, "k2": 0.05}
+    add_camera("Mine", named)
+    made = camera_named("Mine").camera
+    assert made.k1 == -0.2
+    assert lens(CAMERA="Mine") == made
+    # A parameter replaces what the camera has; 0 is given, too.
+    assert lens(CAMERA="Mine", K1=0, K3=0.01) == replace(made, k1=0.0, k3=0.01)
+    assert "folds the image" in refusal("plan", COORDS="35.15_-89.9_200", FOV=100, K1=-0.9)
+
+
+def test_values_that_are_drawn_are_attributes():
+    parameters = {
+        "EXTENT": EXTENT,
+        "EXPOSURE": "manual",
+        "EXPOSURE_MS": 1,
+        "VARY": "exposure_ms=uniform(1,2); east_m=uniform(-3,3)",
+    }
+    results = run("plan", FOOTPRINTS="memory:", CAPTURES="memory:", **parameters)
+    for name in ("FOOTPRINTS", "CAPTURES"):
+        found = [(one["east_m"], one["exposure_ms"]) for one in features_of(results[name])]
+        assert len(set(found)) == len(found) > 10
+        assert all(-3.0 <= east <= 3.0 and 1.0 <= exposure <= 2.0 for east, exposure in found)
 
 
 def test_coordinates_without_a_height_take_that_of_the_parameter():

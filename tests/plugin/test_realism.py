@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from qgis.PyQt.QtWidgets import QComboBox
+from qgis.PyQt.QtWidgets import QApplication, QComboBox
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
@@ -52,6 +52,20 @@ def test_a_kind_of_camera_is_shown_until_a_value_changes(desk):
     desk.form.realism.entries["f_number"].setValue(5.6)
     assert kinds(desk).currentData() == "machine-vision"
     assert "EMVA 1288" in kinds(desk).toolTip()
+
+
+def test_the_chooser_stays_in_sight_while_other_groups_unfold(desk):
+    desk.enter_coarse_mission()
+    desk.form.pages.setCurrentIndex(3)
+    desk.form.realism.setCollapsed(False)
+    QApplication.processEvents()
+    page = desk.form.pages.currentWidget()
+    page.ensureWidgetVisible(kinds(desk))
+    before = page.verticalScrollBar().value()
+    choose(desk, "consumer-drone")
+    QApplication.processEvents()
+    assert not desk.form.route.isCollapsed()
+    assert page.verticalScrollBar().value() == before
 
 
 def test_a_test_shot_has_the_ideal_image_below(desk, screenshot):

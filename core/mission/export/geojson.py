@@ -15,7 +15,7 @@ def geojson_text(plan: Plan) -> Iterator[str]:
     sorties = sortie_numbers(plan)
     yield '{"type": "FeatureCollection", "features": [\n'
     for part, batch in zip(parts(len(plan)), batches(plan)):
-        names = POSE_COLUMNS + WINDOW_COLUMNS
+        names = (*POSE_COLUMNS, *WINDOW_COLUMNS, *plan.drawn_fields)
         rows = zip(*(batch[name] for name in names))
         features: list[str] = []
         for row, rings in zip(rows, closed_rings(plan, part)):

@@ -125,7 +125,7 @@ def _write(ogr: Any, plan: Plan, partial: Path, raise_error: Callable[[], None])
         ):
             layer = data.CreateLayer(name, _wgs84(), kind)
             raise_error()
-            _add_fields(ogr, layer)
+            _add_fields(ogr, layer, plan)
             # Without a transaction for all, each feature is a transaction, and waits for the disk.
             data.StartTransaction()
             _fill(ogr, layer, plan, shapes, raise_error)
@@ -183,9 +183,9 @@ def _mark(ogr: Any, layer: Any, place: tuple[float, float]) -> None:
     layer.CreateFeature(feature)
 
 
-def _add_fields(ogr: Any, layer: Any) -> None:
+def _add_fields(ogr: Any, layer: Any, plan: Plan) -> None:
     kinds = {"name": ogr.OFTString, "column": ogr.OFTInteger64, "row": ogr.OFTInteger64}
-    for name in POSE_COLUMNS:
+    for name in (*POSE_COLUMNS, *plan.drawn_fields):
         layer.CreateField(ogr.FieldDefn(name, kinds.get(name, ogr.OFTReal)))
     layer.CreateField(ogr.FieldDefn("time", ogr.OFTDateTime))
 
@@ -193,15 +193,13 @@ def _add_fields(ogr: Any, layer: Any) -> None:
 def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], raise_error: Callable[[], None]) -> None:
     """Add a feature for each capture, with its geometry in well-known binary."""
     definition = layer.GetLayerDefn()
-    columns = list(enumerate(POSE_COLUMNS))
-    at_time = len(columns)
+    names = (*POSE_COLUMNS, *plan.drawn_fields)
     for part, batch in zip(parts(len(plan)), batches(plan)):
-        rows = zip(*(batch[name] for name in POSE_COLUMNS), clock(plan.direct.start, plan.times_s[part]))
+        rows = zip(*(batch[name] for name in names), clock(plan.direct.start, plan.times_s[part]))
         for row, shape in zip(rows, shapes):
             feature = ogr.Feature(definition)
-            for index, _ in columns:
-                feature.SetField(index, row[index])
-            feature.SetField(at_time, row[at_time])
+            for index, value in enumerate(row):
+                feature.SetField(index, value)
             feature.SetGeometryDirectly(ogr.CreateGeometryFromWkb(shape))
             layer.CreateFeature(feature)
         raise_error()

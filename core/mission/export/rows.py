@@ -15,7 +15,7 @@ from ..plan import Plan
 
 #: Longitudes and latitudes of a closed ring.
 Corners = list[tuple[float, float]]
-#: Columns of the table: poses, windows on the pixel grid, and ground corners.
+#: Columns of the table: poses, windows on the pixel grid, and ground corners; then those of the plan's random values.
 POSE_COLUMNS = ("name", "column", "row", "lat_deg", "lon_deg", "agl_m", "yaw_deg", "tilt_deg", "roll_deg")
 WINDOW_COLUMNS = ("zoom", "left_px", "top_px", "width_px", "height_px")
 CORNER_COLUMNS = tuple(f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon"))
@@ -46,6 +46,8 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
             "zoom": plan.zooms[part].tolist(),
             **{name: values[part].tolist() for name, values in columns.items()},
         }
+        drawn = [plan.drawn(index) for index in range(part.start, part.stop)] if plan.drawn_fields else []
+        batch.update((name, [values[name] for values in drawn]) for name in plan.drawn_fields)
         if plan.direct.has_times:
             batch["time_utc"] = clock(plan.direct.start, plan.times_s[part])
         for index, corner in enumerate(("nw", "ne", "se", "sw")):
@@ -105,7 +107,7 @@ def csv_text(plan: Plan) -> Iterator[str]:
     more = [
         name for name, known in (("time_utc", plan.direct.has_times), ("height_m", not plan.relief.is_level)) if known
     ]
-    names = (*POSE_COLUMNS, *more, *WINDOW_COLUMNS, *CORNER_COLUMNS)
+    names = (*POSE_COLUMNS, *more, *WINDOW_COLUMNS, *CORNER_COLUMNS, *plan.drawn_fields)
     yield ",".join(names) + "\n"
     for batch in batches(plan):
         rows = zip(*(batch[name] for name in names))

@@ -15,6 +15,19 @@ from tests.core.mission.flights import ACROSS, ALONE, HERE, IN_WIND, worked_out
 ogr = pytest.importorskip("osgeo.ogr", reason="GDAL's Python module comes with QGIS")
 
 
+def test_layers_have_the_values_that_are_drawn(tmp_path):
+    flown = worked_out(
+        HERE.replace(exposure="manual", exposure_ms=1.0, vary=("exposure_ms=uniform(1,2)", "iso=uniform(100,400)"))
+    )
+    write_plan(flown, tmp_path / "field.gpkg")
+    data = ogr.Open(str(tmp_path / "field.gpkg"))
+    for name in ("footprints", "captures"):
+        features = list(data.GetLayer(name))
+        stated = [{field: one.GetField(field) for field in ("exposure_ms", "iso")} for one in features]
+        assert stated == [flown.drawn(index) for index in range(len(flown))]
+        assert features[0].GetFieldAsDateTime("time")[0] > 0
+
+
 @pytest.mark.parametrize("mission", [HERE, ACROSS, IN_WIND], ids=["here", "antimeridian", "wind"])
 def test_layers_hold_the_plan(tmp_path, mission):
     flown = worked_out(mission)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 
 import numpy as np
@@ -12,6 +13,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid, wrap_lon_deg
 from terrainav.core.mission.areas.area import Box, Points
+from terrainav.core.mission.export.rows import COLUMNS
 from terrainav.core.mission.export.writing import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -173,6 +175,23 @@ def test_the_camera_of_an_image_has_its_values():
         assert settings.sensor.read_noise_e == settings.sensor.figures["read_noise_e"] == drawn["read_noise_e"]
         assert settings.replace(exposure_ms=None, read_noise_e=None, vary=made.mission.varied.vary) == made.mission
     assert made.drawn(0) != made.drawn(1)
+
+
+def test_tables_of_plans_have_the_values_that_are_drawn(tmp_path):
+    made = planned("exposure_ms=lognormal(4,0.5)", "east_m=uniform(-1,1)", "tilt_deg=uniform(0,4)", **SENSOR)
+    write_plan(made, tmp_path / "plan.csv")
+    with (tmp_path / "plan.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == (*COLUMNS, "east_m", "exposure_ms")
+    assert [float(row["tilt_deg"]) for row in rows] == made.poses.tilt_deg.tolist()
+    write_plan(made, tmp_path / "plan.geojson")
+    features = json.loads((tmp_path / "plan.geojson").read_text())["features"]
+    for stated in (rows, [feature["properties"] for feature in features]):
+        assert [{name: float(values[name]) for name in ("east_m", "exposure_ms")} for values in stated] == [
+            made.drawn(index) for index in range(len(made))
+        ]
+    write_plan(planned(), tmp_path / "ideal.csv")
+    assert (tmp_path / "ideal.csv").read_text().split("\n")[0] == ",".join(COLUMNS)
 
 
 def test_values_of_light_go_to_its_effects():
