@@ -19,6 +19,7 @@ from .areas import AreaCells, Areas, area_cells, traced_areas
 from .camera import Camera
 from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import MERCATOR, PixelGrid, Plane
+from .quadrilaterals import CORNER_X, CORNER_Y, Quadrilaterals
 
 #: Largest size of source pixels in the image, px; the smallest is half of it, as zooms are rounded to the nearest.
 NEAREST_PX = 2.0**0.5
@@ -33,10 +34,6 @@ KERNEL_REACH_PX = 4
 _BATCH = 1 << 17
 #: Smallest side of a cell, px; in smaller ones every pixel is traced.
 _SMALLEST_PX = 8
-#: Parts of a cell's side at whose ends its bend by a distortion is measured.
-_NODES = 4
-#: Corners of a cell in the order upper left, lower left, lower right, upper right, as columns of its box.
-_CORNER_X, _CORNER_Y = (0, 0, 2, 2), (1, 3, 3, 1)
 
 
 class Detail(NamedTuple):
@@ -668,24 +665,27 @@ class ImageRays(NamedTuple):
 
     def map_points(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """World fractions from the camera's meridian (or the plane's west) and from the north, and which rays hit."""
-        seen = self.ground(x_px, y_px)
+        return self.ideal_map_points(*self.ideal_px(x_px, y_px))
+
+    def ideal_map_points(self, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """`map_points` of points of the ideal image."""
+        seen = self.ideal_ground(x_px, y_px)
         return *self.plane.seen(seen.lat_deg, self.scene.poses.lon_deg[0], seen.dlon_deg), seen.hit
 
     def map_centres(self, row: Numbers, column: Numbers) -> tuple[Floats, Floats]:
         """World fractions, as `map_points` has them, seen by the centres of pixels of a distorted image."""
         x, y = _ideal_centres(self.scene.camera, *self.scene.one_size_px)
-        seen = self.ideal_ground(x[row + self.top_px, column], y[row + self.top_px, column] - self.top_px)
-        return self.plane.seen(seen.lat_deg, self.scene.poses.lon_deg[0], seen.dlon_deg)
+        return self.ideal_map_points(x[row + self.top_px, column], y[row + self.top_px, column] - self.top_px)[:2]
 
     def on_map(self, v: Floats) -> NDArray[np.bool_]:
         """Whether positions lie on the map, or within the plane's projection."""
         return self.plane.shows(v)
 
-    def bends(self, x_px: Floats | Numbers, y_px: Floats | Numbers, v: Floats) -> Floats:
-        """Bend of the plane at image points; see `ProjectedPlane.bend`."""
+    def bends(self, x_px: Floats, y_px: Floats, v: Floats) -> Floats:
+        """Bend of the plane at points of the ideal image; see `ProjectedPlane.bend`."""
 
         def places() -> tuple[Floats, Floats]:
-            seen = self.ground(x_px, y_px)
+            seen = self.ideal_ground(x_px, y_px)
             return seen.lat_deg, self.scene.poses.lon_deg[0] + seen.dlon_deg
 
         return self.plane.bends(v, places)
@@ -707,6 +707,8 @@ def _ideal_centres(camera: Camera, width: int, height: int) -> tuple[Floats, Flo
 def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
     """Divide an image into cells whose map positions are, within a tolerance, a perspective through their corners.
 
+    Corners of cells that a lens bends are moved, so that the error has no mean: see `Quadrilaterals`.
+
     Parameters
     ----------
     rays : ImageRays
@@ -718,12 +720,14 @@ def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
     fitting: list[tuple[Numbers, Floats, Floats, Floats]] = []
     loose = [np.empty((0, 4), np.int64)]
     while len(box):
-        du, v, spread, hit = _corners(rays, box)
+        ideal = Quadrilaterals.of_boxes(box, rays.ideal_px if rays.distorts else None)
+        du, v, spread, hit = _corners(rays, ideal)
         seen = hit.any(axis=1)
         if not seen.all():
-            seen |= _holds_earth(rays, box)
+            seen |= _holds_earth(rays, ideal.around)
             box, du, v, spread, hit = (values[seen] for values in (box, du, v, spread, hit))
-        errors, uneven = _errors_px(rays, box, v, hit.all(axis=1))
+            ideal = Quadrilaterals(*(values[seen] for values in ideal))
+        errors, uneven = _errors_px(rays, ideal, v, hit.all(axis=1))
         (along_x, along_y), (uneven_x, uneven_y) = errors, uneven
         size = box[:, 2:] - box[:, :2]
         bound, fits = _fitting(rays, box, (v, spread, hit), (errors, uneven), tolerance_px)
@@ -766,8 +770,9 @@ def mesh_serves(rays: ImageRays, tolerance_px: float) -> bool:
     left, top = (at.ravel() for at in np.meshgrid(x, y))
     right, bottom = (np.minimum(at + _SMALLEST_PX, side) for at, side in zip((left, top), rays.scene.one_size_px))
     box = np.stack([left, top, right, bottom], axis=1)
-    _, v, spread, hit = _corners(rays, box)
-    errors = _errors_px(rays, box, v, hit.all(axis=1))
+    ideal = Quadrilaterals.of_boxes(box, rays.ideal_px if rays.distorts else None)
+    _, v, spread, hit = _corners(rays, ideal)
+    errors = _errors_px(rays, ideal, v, hit.all(axis=1))
     return bool(_fitting(rays, box, (v, spread, hit), errors, tolerance_px)[1].any())
 
 
@@ -792,15 +797,15 @@ def _halved(box: Numbers, across_x: NDArray[np.bool_]) -> Numbers:
     return np.concatenate([first, second])
 
 
-def _corners(rays: ImageRays, box: Numbers) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
+def _corners(rays: ImageRays, ideal: Quadrilaterals) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
     """World fractions of the cells' corners, the spread of u, and whether each corner sees the Earth."""
-    du, v, hit = rays.map_points(box[:, _CORNER_X], box[:, _CORNER_Y])
+    du, v, hit = rays.ideal_map_points(ideal.x, ideal.y)
     spread = np.ptp(np.where(hit, du, 0.0), axis=1)
     return du, v, spread, hit
 
 
 def _errors_px(
-    rays: ImageRays, box: Numbers, v: Floats, whole: NDArray[np.bool_]
+    rays: ImageRays, ideal: Quadrilaterals, v: Floats, whole: NDArray[np.bool_]
 ) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
     """Bounds of the error along x and y, and ratios of the distances to the ground along each, (k,) each.
 
@@ -814,87 +819,31 @@ def _errors_px(
     between angles and pixels.
     """
     scene = rays.scene
-    vectors = rays.directions(box[:, _CORNER_X], box[:, _CORNER_Y])
+    vectors = rays.ideal_directions(ideal.x, ideal.y)
     length = np.sqrt(np.sum(vectors * vectors, axis=-1))
     share = float(scene.height_share[0])
     lifted, grazed2 = grazing(-vectors[..., 2] / length, np.asarray(share))
     # The bound is validated up to 70° off the axis, where rays are three times as long.
     good = whole & (grazed2 > 0.0).all(axis=1) & (lifted > 0.0).all(axis=1) & (length <= 3.0).all(axis=1)
     lifted, grazed2, v = (np.where(good[:, np.newaxis], a, b) for a, b in ((lifted, 1.0), (grazed2, 1.0), (v, 0.5)))
-    bend = (1.0 + 2.0 * rays.bends(box[:, _CORNER_X], box[:, _CORNER_Y], v)).max(axis=1)
+    bend = (1.0 + 2.0 * rays.bends(ideal.x, ideal.y, v)).max(axis=1)
     receding, steepening = _receding(lifted, np.sqrt(grazed2), share)
     focal = float(np.broadcast_to(scene.focal_px, 1)[0])
-    sizes, off, scale = _bent(rays, box)
     slant = share * (2.0 + share) / (lifted + np.sqrt(grazed2))
     across = (slant * bend[:, np.newaxis] + 2.0 * (np.abs(receding) + np.abs(steepening))).max(axis=1) / focal
     uneven = (length.max(axis=1) / length.min(axis=1)) ** 2
     errors, unevenness = [], []
-    for axis, edges in ((0, ((0, 3), (1, 2))), (1, ((0, 1), (3, 2)))):
-        size = sizes[axis]
+    for size, off, edges in (
+        (ideal.wide, ideal.off_x, ((0, 3), (1, 2))),
+        (ideal.high, ideal.off_y, ((0, 1), (3, 2))),
+    ):
         slopes = np.max([np.abs(steepening[:, start] - steepening[:, end]) for start, end in edges], axis=0)
         errors.append(
-            np.where(good, scale * (uneven * size / 8.0 * (slopes * bend + size * across) + off[axis]), np.inf)
+            np.where(good, ideal.scale * (uneven * size / 8.0 * (slopes * bend + size * across) + off), np.inf)
         )
         ratio = np.max([np.maximum(slant[:, a] / slant[:, b], slant[:, b] / slant[:, a]) for a, b in edges], axis=0)
         unevenness.append(np.where(good, ratio, np.inf))
     return (errors[0], errors[1]), (unevenness[0], unevenness[1])
-
-
-def _bent(rays: ImageRays, box: Numbers) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats | float]:
-    """Boxes of an image in the ideal image, (k,) each.
-
-    Returns
-    -------
-    sizes : pair of arrays
-        Longest sides along the image's x and y.
-    off : pair of arrays
-        How far points are off the perspective through the corners, for the bend along x and along y.
-    scale : array
-        Most pixels of the image for one of the ideal image.
-    """
-    wide, high = ((box[:, axis + 2] - box[:, axis]).astype(np.float64) for axis in (0, 1))
-    if not rays.distorts:
-        return (wide, high), (np.zeros(len(box)), np.zeros(len(box))), 1.0
-    nodes = _ideal_nodes(rays, box)
-    off = _off_perspective(nodes)
-    across, down = (np.diff(nodes, axis=axis) * _NODES for axis in (2, 1))
-    lengths = [np.hypot(*np.moveaxis(steps, -1, 0)).max(axis=(1, 2)) for steps in (across, down)]
-    per_x, per_y = across[:, :-1] / wide.reshape(-1, 1, 1, 1), down[:, :, :-1] / high.reshape(-1, 1, 1, 1)
-    square = (per_x**2 + per_y**2).sum(axis=-1)
-    area = per_x[..., 0] * per_y[..., 1] - per_x[..., 1] * per_y[..., 0]
-    least = np.sqrt(np.maximum((square - np.sqrt(np.maximum(square**2 - 4.0 * area**2, 0.0))) / 2.0, 1e-300))
-    share = wide**2 / (wide**2 + high**2)
-    return (lengths[0], lengths[1]), (off * share, off * (1.0 - share)), 1.0 / least.min(axis=(1, 2))
-
-
-def _ideal_nodes(rays: ImageRays, box: Numbers) -> Floats:
-    """Points of the ideal image at nodes of boxes (k,), by rows and columns; (k, nodes, nodes, 2)."""
-    share = np.linspace(0.0, 1.0, _NODES + 1)
-    left, top, right, bottom = (side[:, np.newaxis] for side in box.T.astype(np.float64))
-    x, y = left + (right - left) * share, top + (bottom - top) * share
-    return np.stack(rays.ideal_px(x[:, np.newaxis], y[:, :, np.newaxis]), axis=-1)
-
-
-def _off_perspective(nodes: Floats) -> Floats:
-    """How far nodes (k, n, n, 2) are off the perspective through the corners, at most, (k,)."""
-    left_top, right_top, left_low, right_low = nodes[:, 0, 0], nodes[:, 0, -1], nodes[:, -1, 0], nodes[:, -1, -1]
-    from_right, from_left, rest = (
-        right_top - right_low,
-        left_low - right_low,
-        left_top - right_top + right_low - left_low,
-    )
-    area = from_right[:, 0] * from_left[:, 1] - from_right[:, 1] * from_left[:, 0]
-    along_x = ((rest[:, 0] * from_left[:, 1] - rest[:, 1] * from_left[:, 0]) / area)[:, np.newaxis]
-    along_y = ((from_right[:, 0] * rest[:, 1] - from_right[:, 1] * rest[:, 0]) / area)[:, np.newaxis]
-    across, down = right_top - left_top + along_x * right_top, left_low - left_top + along_y * left_low
-    share = np.linspace(0.0, 1.0, nodes.shape[1])
-    x, y = (at[np.newaxis, ..., np.newaxis] for at in np.meshgrid(share, share))
-    start, across, down, along_x, along_y = (
-        values[:, np.newaxis, np.newaxis] for values in (left_top, across, down, along_x, along_y)
-    )
-    off = (start + x * across + y * down) / (1.0 + x * along_x + y * along_y) - nodes
-    most: Floats = np.hypot(off[..., 0], off[..., 1]).max(axis=(1, 2))
-    return most
 
 
 def _receding(lifted: Floats, grazed: Floats, share: float) -> tuple[Floats, Floats]:
@@ -907,17 +856,13 @@ def _receding(lifted: Floats, grazed: Floats, share: float) -> tuple[Floats, Flo
     return np.arctan2(share, arc) - np.arctan2(sine, cosine), slope
 
 
-def _holds_earth(rays: ImageRays, box: Numbers) -> NDArray[np.bool_]:
-    """Whether boxes (k,) show ground although their corners do not; may be True for boxes without any.
+def _holds_earth(rays: ImageRays, box: Floats) -> NDArray[np.bool_]:
+    """Whether boxes (k,) of the ideal image show ground although their corners do not; may be True without any.
 
     The part of the ideal image that shows ground is convex: it enters a box across an edge, along which the
-    discriminant is quadratic, or lies inside, with the point below the camera. Boxes that are bent there are widened.
+    discriminant is quadratic, or lies inside, with the point below the camera.
     """
-    if rays.distorts:
-        nodes = _ideal_nodes(rays, box)
-        off = _off_perspective(nodes)[:, np.newaxis]
-        box = np.concatenate([nodes.min(axis=(1, 2)) - off, nodes.max(axis=(1, 2)) + off], axis=1)
-    x, y = box[:, _CORNER_X].astype(np.float64), box[:, _CORNER_Y].astype(np.float64)
+    x, y = box[:, CORNER_X], box[:, CORNER_Y]
     next_x, next_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
     start, towards = rays.clearance(x, y)
     middle, _ = rays.clearance((x + next_x) / 2.0, (y + next_y) / 2.0)

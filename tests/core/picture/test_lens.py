@@ -10,13 +10,17 @@ import pytest
 from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.accuracy import ImageGeometry
+from terrainav.core.geodesy.camera import Camera, Poses
+from terrainav.core.geodesy.mercator import v_to_lat
+from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.products import sighting
 
+from tests.core.geodesy.test_distorted_views import perspective
 from tests.support.rasters import write
 
 cv2 = pytest.importorskip("cv2")
@@ -148,6 +152,27 @@ def test_marks_are_where_opencv_projects_them(source, tmp_path, name, by_rays):
     assert len(at) > 50
     off = np.hypot(*(centroids(picture[..., 1], at) - at).T)
     assert off.max() < 0.02
+
+
+@pytest.mark.parametrize("tolerance_px", [0.1, 0.3])
+@pytest.mark.parametrize("name", CAMERAS)
+def test_meshes_err_to_no_side(name, tolerance_px):
+    # A camera that errs outward sees ground as if it were lower.
+    camera, size, lat, lon = CAMERAS[name], (640, 480), 48.0, 3.0
+    pose = Poses.from_attitude(np.array([lat]), np.array([lon]), np.array([AGL_M]), *ATTITUDE)
+    cells = mesh(ImageRays.from_scene(ImageGeometry(camera, *size, pose)), tolerance_px)
+    random = np.random.default_rng(3)
+    areas = (cells.box[:, 2:] - cells.box[:, :2]).prod(axis=1)
+    at = random.choice(len(areas), 6000, p=areas / areas.sum())
+    shares = random.uniform(0.0, 1.0, (len(at), 2))
+    pixels = cells.box[at, :2] + shares * (cells.box[at, 2:] - cells.box[at, :2])
+    du, v = perspective(np.stack([cells.du[at], cells.v[at]], axis=-1), *shares.T).T
+    off = projected(camera, (lat, lon, AGL_M, *ATTITUDE), size, v_to_lat(v), lon + 360.0 * du) - pixels
+    assert np.hypot(*off.T).max() <= tolerance_px
+    outward = pixels - np.array(size) * (0.5 + camera.principal_x, 0.5 + camera.principal_y)
+    aside = (off * outward).sum(axis=1)
+    assert abs((aside / np.hypot(*outward.T)).mean()) < 0.015 * tolerance_px
+    assert abs(aside.sum() / (outward * outward).sum()) < 5e-5 * tolerance_px
 
 
 def test_red_and_blue_are_scaled_about_the_principal_point(source, tmp_path):
