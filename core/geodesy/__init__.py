@@ -26,6 +26,7 @@ In reading order:
 - `interpolation`: polynomials along the sides of images
 - `accuracy`: error bounds of each method, in closed form
 - `areas`: pixels that average what they cover
+- `spreading`: samples over what pixels cover, compiled
 - `quadrilaterals`: cells of images that lenses bend
 - `view`: camera frames, and the source pixels that each part is made of
 - `covered`: the tiles under samples, compiled

@@ -5,9 +5,11 @@ the same second moments (Heckbert 1989, elliptical weighted average) has a longe
 The source's pixels, means of what they cover, and interpolation between them spread light by a variance of 1/12 + 1/6 =
 1/4 of a source pixel squared. The zoom is the lowest at which that is no more than what the pixel covers along the
 shorter axis, and at which it covers enough source pixels. Samples of equal weight are spread over the parallelogram so
-that the sum of the variances is its own: nothing is averaged twice. Such a box is what a sensor's pixel collects; the
-Gaussian that is usual in graphics would blur more. Parallelograms that are far longer than wide and lie across their
-sides, as under a rolled camera, are replaced by the rectangle along the axes of the ellipse, which needs fewer samples.
+that the sum of the variances is its own: nothing is averaged twice. They are at most as far apart as a box of that
+variance is wide, so that the blurs of samples side by side leave no gaps, nor overlap and soften the pixel's edges.
+Such a box is what a sensor's pixel collects; the Gaussian that is usual in graphics would blur more. Parallelograms
+that are far longer than wide and lie across their sides, as under a rolled camera, are replaced by the rectangle along
+the axes of the ellipse, which needs fewer samples.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ..arrays import Flags, Floats, Numbers
+from ..external.compiling import loaded_numba
 from .mercator import PixelGrid, Plane
 
 #: Variance of a source pixel and of bilinear interpolation, in source pixels squared, times the 12 of a box's variance.
@@ -78,6 +81,11 @@ class Areas(NamedTuple):
             np.stack([middle - half, middle + half], axis=1) for middle, half in ((self.du, across), (self.v, down))
         )
         return du, v
+
+    def in_pixels(self, u: float, world_px: int, left_px: int, top_px: int) -> Areas:
+        """Areas in source pixels from a corner, of a camera whose meridian is at ``u``."""
+        du, v = (u + self.du) * world_px - left_px, self.v * world_px - top_px
+        return self._replace(du=du, v=v, steps=self.steps * world_px)
 
     def samples(self, most: int) -> Iterator[tuple[Numbers, Numbers, Floats, Floats]]:
         """Yield rows and columns (n,) of pixels, and du and v (n, k) of their samples, at most so many at a time."""
@@ -143,13 +151,34 @@ def plane_areas(
     zooms: tuple[int, int],
 ) -> list[Areas]:
     """Areas of pixels (n,) that see planes; parameters as those of `view.plane_samples`."""
+    world = float(grid.world_px(0))
+    if loaded_numba():
+        return _compiled_areas(row, column, *place, np.stack([*steps[0], *steps[1]], axis=1), world, zooms)
     ellipses = _Ellipses.of(steps)
-    zoom = _zooms(ellipses, grid, zooms)
-    every, numbers = _spread(ellipses, steps, np.ldexp(float(grid.world_px(0)), zoom))
-    found = []
+    zoom = _zooms(ellipses, world, zooms)
+    return _by_zoom(row, column, *place, *_spread(ellipses, steps, np.ldexp(world, zoom)), zoom)
+
+
+def _compiled_areas(
+    row: Numbers, column: Numbers, du: Floats, v: Floats, steps: Floats, world: float, zooms: tuple[int, int]
+) -> list[Areas]:
+    """Areas as of `plane_areas`; steps (n, 4) are written over."""
+    from .spreading import SpreadRules, spread
+
+    rules = SpreadRules(_SOURCE_BLUR, _LEAST_COVERED, _MOST_SKEW, MOST_LENGTH, _ROUNDING, _TINY)
+    zoom, counts = np.empty(len(row), np.int64), np.empty((len(row), 2), np.int64)
+    spread(world, zooms, rules, steps, zoom, counts)
+    return _by_zoom(row, column, du, v, steps, counts, zoom)
+
+
+def _by_zoom(
+    row: Numbers, column: Numbers, du: Floats, v: Floats, steps: Floats, counts: Numbers, zoom: Numbers
+) -> list[Areas]:
+    """Areas of pixels (n,), parted by zoom."""
+    found, parts = [], (row, column, du, v, steps, counts)
     for one in np.flatnonzero(np.bincount(zoom)).tolist():
         at = np.flatnonzero(zoom == one)
-        found.append(Areas(one, row[at], column[at], place[0][at], place[1][at], every[at], numbers[at]))
+        found.append(Areas(one, *(parts if len(at) == len(zoom) else (part[at] for part in parts))))
     return found
 
 
@@ -170,18 +199,18 @@ def _spread(ellipses: _Ellipses, steps: Sequence[tuple[Floats, Floats]], world_p
         side_u, side_v = (np.where(is_even, one, other) for one, other in zip(step, axis))
         along = (side_u * axis_u + side_v * axis_v) * left_long
         aside = (side_v * axis_u - side_u * axis_v) * left_short
-        # k samples at a distance of d have a variance of d²(k² - 1)/12; they are at most a source pixel apart.
+        # k samples at a distance of d have a variance of d²(k² - 1)/12. Each is blurred as by a box of √3 source
+        # pixels; side by side, such boxes make an even one.
         length = np.sqrt(along * along + aside * aside) * world_px
-        count = np.minimum(np.ceil(np.sqrt(length * length + 1.0) - _ROUNDING), MOST_LENGTH)
+        count = np.minimum(np.ceil(np.sqrt(length * length / _SOURCE_BLUR + 1.0) - _ROUNDING), MOST_LENGTH)
         share = 1.0 / np.sqrt(np.maximum(count * count - 1.0, 1.0))
         spread += [(along * axis_u - aside * axis_v) * share, (along * axis_v + aside * axis_u) * share]
         counts.append(count.astype(np.int64))
     return np.stack(spread, axis=1), np.stack(counts, axis=1)
 
 
-def _zooms(ellipses: _Ellipses, grid: PixelGrid, zooms: tuple[int, int]) -> Numbers:
-    """Zooms (n,) for ellipses."""
-    world = float(grid.world_px(0))
+def _zooms(ellipses: _Ellipses, world: float, zooms: tuple[int, int]) -> Numbers:
+    """Zooms (n,) for ellipses; ``world`` is the number of source pixels around the world at zoom 0."""
     # `frexp` splits a number into a share in [1/2, 1) and a power of two.
     covered = np.sqrt(ellipses.long2 * ellipses.short2)
     least = np.sqrt(np.maximum(_SOURCE_BLUR / ellipses.short2, _LEAST_COVERED / covered)) / world
@@ -222,8 +251,11 @@ class AreaCells(NamedTuple):
         first = np.searchsorted(np.cumsum(sizes), np.arange(0, int(sizes.sum()) + _BATCH, _BATCH), side="right")
         for start, stop in zip(first[:-1].tolist(), first[1:].tolist()):
             cells = self._replace(**{name: getattr(self, name)[start:stop] for name in ("box", "du", "v")})
-            row, column, cell = cell_pixels(cells.box)
             zooms = self.zoom, self.zoom
+            if rays is None and loaded_numba():
+                yield from _compiled_areas(*_seen_pixels(cells), float(grid.world_px(0)), zooms)
+                continue
+            row, column, cell = cell_pixels(cells.box)
             if rays is not None:
                 yield from traced_areas(rays, row, column, grid, zooms)
             elif len(row):
@@ -231,6 +263,16 @@ class AreaCells(NamedTuple):
                 seen = _Perspectives.through(*cells[1:]).take(cell)
                 x, y = column - left + 0.5, row - top + 0.5
                 yield from plane_areas(row, column, seen.positions(x, y), seen.steps(x, y), grid, zooms)
+
+
+def _seen_pixels(cells: AreaCells) -> tuple[Numbers, Numbers, Floats, Floats, Floats]:
+    """Row, column, du, v and steps (n, 4) of the pixels of cells, by compiled code."""
+    from .spreading import see_pixels
+
+    count = int((cells.box[:, 2:] - cells.box[:, :2]).prod(axis=1).sum())
+    (row, column), (du, v), steps = np.empty((2, count), np.int64), np.empty((2, count)), np.empty((count, 4))
+    see_pixels(cells.box, *_Perspectives.through(*cells[1:]), row, column, du, v, steps)
+    return row, column, du, v, steps
 
 
 class _Perspectives(NamedTuple):
@@ -283,7 +325,7 @@ def area_cells(box: Numbers, du: Floats, v: Floats, grid: PixelGrid, zooms: tupl
         for x, y in ((0.0 * right, 0.0 * right), (right, 0.0 * right), (0.0 * right, bottom), (right, bottom))
     ]
     longest, shortest = np.max([one.long2 for one in ends], axis=0), np.min([one.short2 for one in ends], axis=0)
-    zoom = _zooms(ends[0]._replace(long2=longest, short2=shortest), grid, zooms)
+    zoom = _zooms(ends[0]._replace(long2=longest, short2=shortest), float(grid.world_px(0)), zooms)
     return [AreaCells(one, *(at[zoom == one] for at in (box, du, v))) for one in np.unique(zoom).tolist()]
 
 

@@ -7,7 +7,7 @@ In reading order:
 - `map_frame`: map frames, assembled on the source's pixel grid
 - `camera_frame`: camera frames, resampled from tiles
 - `resampling`: values between an image's pixels
-- `taps`: bilinear values, compiled
+- `taps`: bilinear values and means of areas, compiled
 - `perspective`: perspective transforms, compiled
 - `heights`: opens the heights of a mission
 - `labels`: opens the labels of a mission

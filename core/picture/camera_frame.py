@@ -27,14 +27,18 @@ from .resampling import PackedImage, blank_image
 _COLOURS = 3
 #: Samples taken at a time, to bound memory.
 _MOST_SAMPLES = 1 << 16
+#: Steps of light in which the nearest value is looked up.
+_LIGHT_STEPS = 1 << 12
 #: Images of level ground for which loading compiled code pays: that takes half a second, and saves 4 to 15 ms of each.
 _WORTH_LOADING = 100
 
 
 @cache
-def _light_tables() -> tuple[Floats, Floats]:
-    """Linear light of each 8-bit value, and the borders between values."""
-    return linear_of_bytes(np.arange(256, dtype=np.uint8)).astype(np.float64), linear((np.arange(255) + 0.5) / 255.0)
+def _light_tables() -> tuple[Floats, Numbers, Floats]:
+    """Linear light of each 8-bit value, the value at each of so many steps of light, and the borders between values."""
+    levels = linear_of_bytes(np.arange(256, dtype=np.uint8)).astype(np.float64)
+    borders = linear((np.arange(255) + 0.5) / 255.0)
+    return levels, np.searchsorted(borders, np.linspace(0.0, 1.0, _LIGHT_STEPS + 1), side="right"), borders
 
 
 def load_code(plan: Plan) -> None:
@@ -95,7 +99,15 @@ class _Ground:
         return PackedImage(_light_tables()[0][self.pixels], is_compiled=False)
 
     def draw(
-        self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, kernel: str, in_light: bool
+        self,
+        picture: PixelValues,
+        row: Numbers,
+        column: Numbers,
+        x: Floats,
+        y: Floats,
+        kernel: str,
+        *,
+        in_light: bool = False,
     ) -> None:
         """Fill pixels (n,) of a picture, each with the mean of its samples (n, k), in linear light or as they are."""
         x_px, y_px = x.ravel(), y.ravel()
@@ -111,8 +123,13 @@ class _Ground:
             sums = sums + values[:, sample]
         mean = sums / values.dtype.type(x.shape[1])
         if in_light:
-            mean = np.searchsorted(_light_tables()[1], mean.ravel(), side="right").reshape(mean.shape)
+            mean = np.searchsorted(_light_tables()[2], mean.ravel(), side="right").reshape(mean.shape)
         picture[row, column] = fitted(mean, picture.dtype)
+
+    def average(self, picture: PixelValues, areas: Areas, u: float, world_px: int, *, in_light: bool) -> None:
+        """Fill pixels of a picture, each with the mean of its area, in linear light or as values are."""
+        for row, column, x, y in areas.in_pixels(u, world_px, self.left_px, self.top_px).samples(_MOST_SAMPLES):
+            self.draw(picture, row, column, x, y, "bilinear", in_light=in_light)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,32 +171,35 @@ class _Tiles:
         addresses[place], depths[place] = [tile.ctypes.data for tile in tiles], [tile.shape[2] for tile in tiles]
         return cls([blank, *tiles], addresses, depths, size_px, left, top)
 
-    def draw(
-        self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, _: str, in_light: bool
-    ) -> None:
-        """Fill pixels (n,) of a picture, each with the mean of its samples (n, k), in linear light or as they are."""
+    def draw(self, picture: PixelValues, row: Numbers, column: Numbers, x: Floats, y: Floats, _: str) -> None:
+        """Fill pixels (n,) of a picture, each with the mean of its samples (n, k)."""
         from .taps import gather
 
-        channels = picture.shape[2]
+        kind = np.float32 if picture.dtype == np.uint8 else np.float64
+        missing = gather(*self._memory, x, y, row, column, *self._values(picture, kind), picture)
+        _refuse_missing(missing)
+
+    def average(self, picture: PixelValues, areas: Areas, u: float, world_px: int, *, in_light: bool) -> None:
+        """Fill pixels of a picture, each with the mean of its area, in linear light or as values are."""
+        from .taps import average
+
         kind = np.float32 if picture.dtype == np.uint8 and not in_light else np.float64
-        limits = (-np.inf, np.inf)
+        _, row, column, x, y, steps, counts = areas.in_pixels(u, world_px, self.left_px, self.top_px)
+        tables = _light_tables() if in_light else (None, None, None)
+        values = self._values(picture, kind)
+        missing = average(*self._memory, row, column, x, y, steps, counts, *values, picture, *tables)
+        _refuse_missing(missing)
+
+    @property
+    def _memory(self) -> tuple[Numbers, Numbers, int]:
+        return self.addresses, self.depths, self.size_px
+
+    def _values(self, picture: PixelValues, kind: Any) -> tuple[bool, tuple[float, float], Floats]:
+        """Whether any tile has a mask, the limits of values, and room for sums."""
+        channels, limits = picture.shape[2], (-np.inf, np.inf)
         if picture.dtype.kind != "f":
             limits = float(np.iinfo(picture.dtype).min), float(np.iinfo(picture.dtype).max)
-        missing = gather(
-            self.addresses,
-            self.depths,
-            self.size_px,
-            x,
-            y,
-            row,
-            column,
-            bool((self.depths > channels).any()),
-            limits,
-            np.empty(channels, kind),
-            picture,
-            *(_light_tables() if in_light else (None, None)),
-        )
-        _refuse_missing(missing)
+        return bool((self.depths > channels).any()), limits, np.empty(channels, kind)
 
 
 def render(
@@ -236,7 +256,8 @@ def render(
         for one in chain(*map(view.traced, patches), samples):
             _gather(picture, one, ground, view.grid, u, kernel)
         for area in chain(areas, view.areas(zoom)):
-            _average(picture, area, ground, view.grid, u, bands)
+            # Colours are averaged as a sensor collects light.
+            ground.average(picture, area, u, view.grid.world_px(zoom), in_light=bands.are_colours)
     return picture
 
 
@@ -374,14 +395,4 @@ def _gather(
         part = slice(start, start + batch)
         x = (u + samples.du[part]) * world - ground.left_px
         y = samples.v[part] * world - ground.top_px
-        ground.draw(picture, samples.row[part], samples.column[part], x, y, kernel, in_light=False)
-
-
-def _average(
-    picture: PixelValues, areas: Areas, ground: _Ground | _Tiles, grid: PixelGrid, u: float, bands: Bands
-) -> None:
-    """Fill pixels with the mean of what they cover, of colours in linear light, as a sensor collects it."""
-    world = grid.world_px(areas.zoom)
-    for row, column, du, v in areas.samples(_MOST_SAMPLES):
-        x, y = (u + du) * world - ground.left_px, v * world - ground.top_px
-        ground.draw(picture, row, column, x, y, "bilinear", in_light=bands.are_colours)
+        ground.draw(picture, samples.row[part], samples.column[part], x, y, kernel)

@@ -11,6 +11,7 @@ import pytest
 from terrainav.core.bands import Bands
 from terrainav.core.errors import PartError
 from terrainav.core.external import compiling
+from terrainav.core.geodesy.areas import AreaCells, Areas, plane_areas
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.view import Patches, Samples, View
 from terrainav.core.imagery.source import Part, Window
@@ -124,6 +125,70 @@ def test_samples_of_tiles_are_those_of_joined_ones_to_the_last_bit(samples, data
         wanted, found = drawn(rng, tiles_of(rng, data_type, channels, depths), bands, samples)
         assert wanted.any()
         assert np.array_equal(found, wanted)
+
+
+@needs_numba
+@pytest.mark.parametrize(
+    ("data_type", "channels", "in_light"),
+    [("uint8", 3, True), ("uint8", 1, True), ("uint8", 3, False), ("uint16", 4, False)],
+)
+def test_areas_over_tiles_are_those_over_joined_ones_to_the_last_bit(data_type, channels, in_light):
+    """Some reach across borders of tiles, beyond them, and into tiles with a mask."""
+    rng, count, world = np.random.default_rng(channels), 500, GRID.world_px(ZOOM)
+    bands = Bands(tuple(map(str, range(channels))), data_type, (0,))
+    row, column = np.divmod(rng.permutation(24 * 32)[:count], 32)
+    x = TILE_PX + rng.uniform(-9.0, 2.0 * TILE_PX + 9.0, count)
+    y = TILE_PX + np.where(x < 2.0 * TILE_PX - 40.0, 1.0, 0.4) * rng.uniform(-9.0, 2.0 * TILE_PX - 9.0, count)
+    counts, steps = rng.integers(1, 9, (count, 2)), rng.uniform(-2.0, 2.0, (count, 4))
+    areas = Areas(ZOOM, row, column, x / world, y / world, steps / world, counts)
+    for depths in ((0, 0, 0), (1, 0, 1)):
+        tiles = tiles_of(rng, data_type, channels, depths)
+        parts = [Part(Window(ZOOM, *place, TILE_PX, TILE_PX), *place) for place in tiles]
+        pixels = {part.window: tile for part, tile in zip(parts, tiles.values())}
+        found = []
+        for ground in (
+            camera_frame._ground(ZOOM, parts, pixels, bands, is_warped=False),
+            camera_frame._Tiles.found(ZOOM, parts, pixels, bands, TILE_PX),
+        ):
+            picture = np.zeros((24, 32, channels), bands.dtype)
+            ground.average(picture, areas, 0.0, world, in_light=in_light)
+            found.append(picture)
+        assert found[0].any()
+        assert np.array_equal(*found)
+
+
+@needs_numba
+@pytest.mark.parametrize("zooms", [(3, 20), (17, 17)])
+def test_areas_and_their_samples_are_those_of_numpy_to_the_last_bit(zooms):
+    """Of pixels of every size, shape and turn, and some of circles."""
+    import numba  # noqa: F401
+
+    rng, count = np.random.default_rng(6), 3_000
+    steps = rng.normal(size=(4, count)) * 2.0 ** rng.uniform(-34.0, -10.0, (2, count)).repeat(2, axis=0)
+    steps[:, :3] = 2.0**-20 * np.array([[1.0], [0.0], [0.0], [1.0]])
+    place, pixels = rng.uniform(0.1, 0.9, (2, count)), (np.arange(count), np.arange(count)[::-1])
+    found = []
+    for code in (compiling.without_numba(), nullcontext()):
+        with code:
+            found.append(plane_areas(*pixels, tuple(place), (tuple(steps[:2]), tuple(steps[2:])), GRID, zooms))
+    assert [one.zoom for one in found[0]] == [one.zoom for one in found[1]]
+    for one, other in zip(*found):
+        for values, others in zip(one[1:], other[1:]):
+            assert np.array_equal(values, others)
+
+
+@needs_numba
+def test_areas_of_cells_are_those_of_numpy_to_the_last_bit():
+    import numba  # noqa: F401
+
+    rng, found = np.random.default_rng(7), []
+    box, corners = np.array([[0, 0, 13, 20], [13, 0, 32, 20]]), np.array([[0, 0], [0.1, 1], [1, 0.9], [0.9, 0]])
+    u, v = (corners + rng.uniform(-0.05, 0.05, (2, 4, 2))).transpose(2, 0, 1) / GRID.world_px(ZOOM)
+    for code in (compiling.without_numba(), nullcontext()):
+        with code:
+            found += AreaCells(ZOOM + 8, box, u, v).areas(GRID, None)
+    for values, others in zip(*(one[1:] for one in found)):
+        assert np.array_equal(values, others)
 
 
 @needs_numba
