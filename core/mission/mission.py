@@ -176,13 +176,6 @@ class Mission:
                 field="exposure",
                 remedy=Message("give it{0}", OptionName("exposure_ms").in_brackets),
             )
-        if exposure == BY_TIME and parts["shutter"].motion_blur:
-            raise InvalidInput(
-                "exposure {0}: meters images, whose blur by motion needs the exposure time before",
-                exposure,
-                field="exposure",
-                remedy="choose manual or iso",
-            )
         if parts["wind"] is not None:
             parts["wind"].checked(parts["flight"].airspeed_m_per_s)
         # Drop duplicates, and accept a list.

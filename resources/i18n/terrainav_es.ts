@@ -14435,18 +14435,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>choose manual or iso</source>
-        <translation>elija manual o iso</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
         <source>diffraction: needs the pixel pitch</source>
         <translation>difracción: requiere el paso de píxel</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>exposure {0}: meters images, whose blur by motion needs the exposure time before</source>
-        <translation>exposición {0}: mide las imágenes, cuyo desenfoque por movimiento necesita antes el tiempo de exposición</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>

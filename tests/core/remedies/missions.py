@@ -155,6 +155,7 @@ def _facts(case: Case) -> None:
         "horizontal_fov_deg": {"horizontal_fov_deg": 60.0, "aspect_ratio": [3, 2]},
         "vertical_fov_deg": {"vertical_fov_deg": 60.0, "aspect_ratio": [3, 2]},
         "sensor_mm": lens,
+        "focal_px": {"focal_px": 500.0, "size_px": [640, 480]},
     }
     case.refused(lambda: made({"fov_deg": 80.0, **lens}))
     case.refused(lambda: made({"aspect_ratio": [3, 2]}))

@@ -97,17 +97,6 @@ def _no_limit(case: Case) -> None:
     case.follow("its exposure time (--exposure-ms)", lambda: chosen(exposure_ms=1.0))
 
 
-@remedy(
-    "mission/mission.py",
-    "exposure {}: meters images, whose blur by motion needs the exposure time before; choose manual or iso",
-)
-def _metered_time(case: Case) -> None:
-    blurred = FIELD.replace(motion_blur=True, exposure_ms=1.0)
-    case.refused(lambda: blurred.replace(exposure="time"))
-    case.follow("choose manual", lambda: blurred.replace(exposure="manual"))
-    case.follow("iso", lambda: blurred.replace(exposure="iso"))
-
-
 @remedy("mission/mission.py", "exposure {}: needs an exposure time; give it (--exposure-ms)")
 def _no_exposure_time(case: Case) -> None:
     case.refused(lambda: FIELD.replace(exposure="manual"))
