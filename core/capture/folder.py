@@ -7,10 +7,11 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
-from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, clean_type
+from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..geodesy.mercator import WebMercator
 from ..limits import MAX_MISSION_BYTES
+from ..map_types import twin_type
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..storage.files import make_folder, open_locked, read_existing, write_whole
@@ -43,8 +44,8 @@ class CaptureFolder(ABC):
         """
         make_folder(self.root)
         imagery = mission.imagery
-        clean = tuple(map(clean_type, imagery.map_types)) if mission.varied.keep_clean else ()
-        folders = tuple(one.name for one in imagery.named) or (*imagery.map_types, *clean, *mission.products)
+        twins = [twin_type(map_type, kind) for map_type in imagery.map_types for kind in mission.varied.twins]
+        folders = tuple(one.name for one in imagery.named) or (*imagery.map_types, *twins, *mission.products)
         wanted = mission.to_json().encode("utf-8")
         found = self._read_mark()
         if found is None:

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Numbers
-from ..dataset.folder import JOURNAL_FILE, REJECTED_FOLDER, TABLE_FILE, clean_type
+from ..dataset.folder import JOURNAL_FILE, REJECTED_FOLDER, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, OutputError
 from ..imagery.placeholder import PLACEHOLDER_REASON, Placeholder
+from ..map_types import twin_type
 from ..mission.plan import Plan
 from ..storage.files import PARTIAL_ENDING, write_whole
 from ..storage.stores import list_sizes
@@ -140,9 +141,9 @@ class ImageJournal(CaptureJournal):
         other_columns(folder / TABLE_FILE)
         complete = find_complete(folder, self._endings, noted)
         folders = [folder]
-        if self._plan.mission.varied.keep_clean:
-            folders.append(self.root / clean_type(map_type))
-            complete &= find_complete(folders[-1], self._endings, {name: one.of_clean() for name, one in noted.items()})
+        for kind in self._plan.mission.varied.twins:
+            folders.append(self.root / twin_type(map_type, kind))
+            complete &= find_complete(folders[-1], self._endings, {name: one.twin(kind) for name, one in noted.items()})
         known = {name: one for name, one in noted.items() if one.status == FAILED or name in complete}
         for name, outcome in known.items():
             if any(map(placeholder.knows, outcome.repeated)):

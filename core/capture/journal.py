@@ -17,9 +17,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
-from ..dataset.folder import clean_type
 from ..errors import OutputError
 from ..limits import MAX_JOURNAL_LINE_BYTES, MAX_TABLE_BYTES
+from ..map_types import CLEAN, twin_type
 from ..mission.takes import RATE_COLUMNS
 from ..storage.files import open_locked, open_own
 from ..storage.store_requests import larger_than
@@ -55,8 +55,8 @@ class Outcome:
         Position and length of the image in the shard.
     facts : tuple of (str, float or str)
         What is stated of a real camera's effects on the image, by the name of the table's column.
-    clean : (float, int) or None
-        Entropy in bits, and bytes of all files, of the image without these effects; None if it is not kept.
+    twins : tuple of Outcome
+        Outcomes of the image's twins, by whose map types they are found.
     """
 
     map_type: str
@@ -72,21 +72,30 @@ class Outcome:
     offset_bytes: int = 0
     length_bytes: int = 0
     facts: tuple[tuple[str, float | str], ...] = ()
-    clean: tuple[float, int] | None = None
+    twins: tuple[Outcome, ...] = ()
 
     @property
     def status(self) -> str:
         """``done`` or ``failed``."""
         return FAILED if self.entropy is None else DONE
 
-    def of_clean(self) -> Outcome:
-        """Outcome of the image without the effects of a real camera."""
-        entropy, size_bytes = self.clean or (None, 0)
+    def clean(self, entropy: float, size_bytes: int) -> Outcome:
+        """Outcome of the twin without effects on light, by its entropy and the size of its files."""
         facts = tuple(one for one in self.facts if one[0] in _OF_GEOMETRY)
-        return replace(self, map_type=clean_type(self.map_type), entropy=entropy, size_bytes=size_bytes, facts=facts)
+        map_type = twin_type(self.map_type, CLEAN)
+        return replace(self, map_type=map_type, entropy=entropy, size_bytes=size_bytes, facts=facts)
+
+    def twin(self, kind: str) -> Outcome:
+        """Outcome of a twin: failed unless it is noted."""
+        map_type = twin_type(self.map_type, kind)
+        failed = replace(self, map_type=map_type, entropy=None, size_bytes=0, facts=(), twins=())
+        return next((one for one in self.twins if one.map_type == map_type), failed)
 
     def to_line(self) -> bytes:
         """Line of the journal."""
+        return json.dumps(self._fields(), ensure_ascii=False).encode("utf-8") + b"\n"
+
+    def _fields(self) -> dict[str, Any]:
         fields: dict[str, Any] = {
             "map_type": self.map_type,
             "name": self.name,
@@ -106,41 +115,43 @@ class Outcome:
             fields.update(shard=self.shard, offset_bytes=self.offset_bytes, length_bytes=self.length_bytes)
         if self.facts:
             fields.update(facts=dict(self.facts))
-        if self.clean:
-            fields.update(clean=self.clean)
-        return json.dumps(fields, ensure_ascii=False).encode("utf-8") + b"\n"
+        if self.twins:
+            fields.update(twins=[one._fields() for one in self.twins])
+        return fields
 
     @classmethod
     def from_line(cls, line: bytes) -> Outcome | None:
         """Parse a line; None if it is torn."""
         try:
-            fields = parse_json(line)
-            sky, unmapped, facades = (float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped", "facade"))
-            clean = fields.get("clean")
-            entropy = float(fields["entropy"]) if fields["status"] == DONE else None
-            sizes = [int(fields.get(f"{what}_bytes", 0)) for what in ("size", "offset", "length")]
-            # Comparisons with NaN are false.
-            is_sound = all(0.0 <= share <= 1.0 for share in (sky, unmapped, facades))
-            if not (is_sound and 0.0 <= (entropy or 0.0) < math.inf and min(sizes) >= 0):
-                return None
-            return cls(
-                str(fields["map_type"]),
-                str(fields["name"]),
-                entropy,
-                str(fields["reason"]),
-                sky,
-                unmapped,
-                facades,
-                sizes[0],
-                tuple(map(str, fields.get("repeated", ()))),
-                str(fields.get("shard", "")),
-                sizes[1],
-                sizes[2],
-                tuple(_fact(*one) for one in fields.get("facts", {}).items()),
-                (float(clean[0]), int(clean[1])) if clean else None,
-            )
+            return cls._from_fields(parse_json(line))
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             return None
+
+    @classmethod
+    def _from_fields(cls, fields: Any) -> Outcome:
+        sky, unmapped, facades = (float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped", "facade"))
+        entropy = float(fields["entropy"]) if fields["status"] == DONE else None
+        sizes = [int(fields.get(f"{what}_bytes", 0)) for what in ("size", "offset", "length")]
+        # Comparisons with NaN are false.
+        is_sound = all(0.0 <= share <= 1.0 for share in (sky, unmapped, facades))
+        if not (is_sound and 0.0 <= (entropy or 0.0) < math.inf and min(sizes) >= 0):
+            raise ValueError(fields["name"])
+        return cls(
+            str(fields["map_type"]),
+            str(fields["name"]),
+            entropy,
+            str(fields["reason"]),
+            sky,
+            unmapped,
+            facades,
+            sizes[0],
+            tuple(map(str, fields.get("repeated", ()))),
+            str(fields.get("shard", "")),
+            sizes[1],
+            sizes[2],
+            tuple(_fact(*one) for one in fields.get("facts", {}).items()),
+            tuple(map(cls._from_fields, fields.get("twins", ()))),
+        )
 
 
 def _fact(name: str, value: Any) -> tuple[str, float | str]:

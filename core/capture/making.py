@@ -27,7 +27,7 @@ from ..picture.camera_frame import parts_of_tiles
 from ..picture.effects import check_bands
 from ..picture.map_frame import check_size
 from ..picture.optics import Exposures
-from ..picture.shot import Shot, picture_parts
+from ..picture.shot import Shot, lens_plans, picture_parts, shown_tiles
 from ..storage.files import write_whole
 from .journal import FAILED, Outcome
 from .pipeline import Parts, Pipeline, sweep
@@ -172,12 +172,8 @@ class ImageParts:
         if not self.are_traced:
             return picture_parts(self.plan, self.source, index)
         if index not in self._tiles:
-            return self.find_traced(Shot(self.plan, index))
+            return self.keep(index, shown_tiles(self.plan, index))
         return parts_of_tiles(self.plan.grid, self._tiles[index].tolist())
-
-    def find_traced(self, shot: Shot) -> list[Part]:
-        """Return the parts of an image whose rays are traced for it."""
-        return self.keep(shot.index, shot.tiles)
 
     def keep(self, index: int, tiles: list[tuple[int, int, int]]) -> list[Part]:
         """Remember the tiles of an image whose rays are traced, and return its parts."""
@@ -294,7 +290,8 @@ class ImageMaker:
         # The limit of pixels under way is for images of three bytes a pixel.
         most = MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // (pixels * max(band_bytes, RGB.bytes_per_px))
         if self.parts.are_traced:
-            most = min(most, max(_TRACED_BYTES // (pixels * _TRACED_BYTES_PER_PX), 2 * self.workers))
+            traced_bytes = pixels * _TRACED_BYTES_PER_PX * len(lens_plans(self.parts.plan))
+            most = min(most, max(_TRACED_BYTES // traced_bytes, 2 * self.workers))
         return max(most, 1)
 
     def _jobs(self, map_type: str, order: list[int]) -> Iterator[tuple[PictureJob, Parts]]:
@@ -317,11 +314,13 @@ class ImageMaker:
             yield job, partial(self._trace, job) if self.parts.are_traced else self.parts.find(index)
 
     def _trace(self, job: PictureJob) -> list[Part]:
-        """Trace the rays of an image, once, and find its parts."""
-        shot = cast(Shot, job.shot)
+        """Trace the rays of an image and its twins, once, and find their parts."""
         needs_range = job.development is not None and job.development.needs_range
-        tiles = shot.trace(with_sighting=job.products is not None or needs_range)
-        return self.parts.keep(shot.index, tiles)
+        tiles: set[tuple[int, int, int]] = set()
+        for of_shot in {id(one.shot): one for one in (*job.twins, job)}.values():
+            shot = cast(Shot, of_shot.shot)
+            tiles.update(shot.trace(with_sighting=of_shot.products is not None or needs_range))
+        return self.parts.keep(job.index, sorted(tiles))
 
     def _find_last_users(self, order: list[int], orders: Orders) -> Callable[[Window], int] | None:
         """Find the last image of an order that may need a part; None if the run was stopped."""
@@ -329,7 +328,8 @@ class ImageMaker:
         found: dict[Window, int] = {}
         for number, index in enumerate(order):
             if self.parts.are_traced:
-                boxes[number] = shown_box(plan, index)
+                ends = np.array([shown_box(one, index) for one in lens_plans(plan)])
+                boxes[number] = *ends[:, :2].min(axis=0), *ends[:, 2:].max(axis=0)
             else:
                 found.update((part.window, number) for part in self.parts.find(index))
             if not orders.wants_more():

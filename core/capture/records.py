@@ -12,21 +12,22 @@ import numpy as np
 from ..arrays import Floats, NDArray, PixelValues
 from ..bands import RGB, Bands, Range, shown_in_8_bits, source_bands, source_ranges
 from ..dataset.entropy import entropy
-from ..dataset.folder import TABLE_FILE, clean_type
+from ..dataset.folder import TABLE_FILE
 from ..dataset.table import Table
 from ..errors import Message, PartError
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
 from ..labels.label_map import LabelMap
+from ..map_types import CLEAN, UNDISTORTED, twin_type
 from ..mission.export.rows import clock
 from ..mission.parts import CLASSES, INTERPOLATE, LABELLED, RAW
 from ..mission.plan import Plan
 from ..picture.effects import Development, Facts
 from ..picture.map_frame import resized
-from ..picture.optics import CameraSettings, Exposures, plan_optics
+from ..picture.optics import CameraSettings, Exposure, Exposures, plan_optics
 from ..picture.scene import RawValues
-from ..picture.shot import MapShot, Shot, draw, make_shot
+from ..picture.shot import MapShot, Picture, Shot, draw, make_shot
 from ..storage.files import write_whole
 from .georeference import ControlPoints, Georeference
 from .journal import FAILED, Outcome
@@ -62,8 +63,10 @@ class PictureJob:
         Labels for the products classes and instances.
     development : Development or None
         The picture's way through a real camera; None for an ideal one.
-    keep_clean : bool
-        Also write the picture as it is without the effects of a real camera.
+    is_clean : bool
+        Whether this is a twin without effects on light and blur by motion.
+    twins : tuple of PictureJob
+        Jobs of the twins.
     """
 
     index: int
@@ -80,7 +83,8 @@ class PictureJob:
     write: Write = write_whole
     labels: LabelMap | None = None
     development: Development | None = None
-    keep_clean: bool = False
+    is_clean: bool = False
+    twins: tuple[PictureJob, ...] = ()
 
     def failed(self, error: PartError) -> Outcome:
         """Outcome of an image that could not be made."""
@@ -88,7 +92,7 @@ class PictureJob:
 
 
 def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]) -> Outcome:
-    """Make an image and write it; its entropy is computed before JPEG compression.
+    """Make an image and its twins, and write them; entropies are computed before JPEG compression.
 
     Raises
     ------
@@ -97,14 +101,31 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     OutputError
         The image cannot be written.
     """
-    picture, sky, unmapped, facades = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands)
+    is_blurred = isinstance(job.shot, Shot) and len(job.shot.instants) > 1
+    drawn = _draw(job, parts, pixels)
+    # All before any is written, as parts may be missing.
+    of_twins = [drawn if twin.is_clean and not is_blurred else _draw(twin, parts, pixels) for twin in job.twins]
+    made = _make(job, drawn)
+    twins = (
+        made.clean(*_write_clean(twin, seen.pixels)) if twin.is_clean else _make(twin, seen)
+        for twin, seen in zip(job.twins, of_twins)
+    )
+    return replace(made, twins=tuple(twins))
+
+
+def _draw(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]) -> Picture:
+    return draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands, sharp=job.is_clean)
+
+
+def _make(job: PictureJob, drawn: Picture) -> Outcome:
+    """Develop a drawn picture, and write it and its products."""
+    picture, sky, unmapped, facades = drawn
     description = job.description
     facts: Facts = ()
     raw: RawValues | None = None
     if isinstance(job.shot, Shot):
         description = replace(description, more=_camera_metadata(job.shot))
         facts = () if job.shot.timing is None else job.shot.timing.facts
-    clean = _write_clean(replace(job, description=description), picture, parts, pixels) if job.keep_clean else None
     if job.development is not None:
         picture, developed, raw = job.development.develop(picture, job.shot, len(job.bands))
         facts = tuple({**dict(facts), **dict(developed)}.items())
@@ -140,22 +161,17 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         facade_share=facades,
         size_bytes=size_bytes,
         facts=facts,
-        clean=clean,
     )
 
 
-def _write_clean(
-    job: PictureJob, picture: PixelValues, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]
-) -> tuple[float, int]:
-    """Write a picture as it is before light has effects, without motion blur, under the same name; see `_write_image`.
+def _write_clean(job: PictureJob, picture: PixelValues) -> tuple[float, int]:
+    """Write a picture as it is before light has effects; see `_write_image`.
 
-    Its pixels show the same places, so the products are those of both.
+    Its pixels show the same places as the image's, so the products are those of both.
     """
-    if isinstance(job.shot, Shot) and len(job.shot.instants) > 1:
-        picture, *_ = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands, sharp=True)
-    map_type = clean_type(job.description.map_type)
-    description = replace(job.description, map_type=map_type)
-    return _write_image(replace(job, folder=job.folder.parent / map_type, description=description), picture)
+    if isinstance(job.shot, Shot):
+        job = replace(job, description=replace(job.description, more=_camera_metadata(job.shot)))
+    return _write_image(job, picture)
 
 
 def _write_image(job: PictureJob, picture: PixelValues) -> tuple[float, int]:
@@ -211,6 +227,46 @@ def image_job(
     labels: LabelMap | None = None,
 ) -> PictureJob:
     """Return the job of a capture; ``exposures`` add EXIF and XMP as drones write them."""
+    exposure = None if exposures is None else exposures.exposure(index)
+    job = replace(
+        _lens_job(plan, index, source, map_type, folder, exposure),
+        products=None if products_in is None else (plan, products_in),
+        write=write,
+        labels=labels,
+        development=Development.of(plan, index, map_type),
+    )
+    return replace(job, twins=tuple(_twin_job(job, plan, source, kind) for kind in plan.mission.varied.twins))
+
+
+def _twin_job(job: PictureJob, plan: Plan, source: Source, kind: str) -> PictureJob:
+    """Job of a twin of an image."""
+    map_type = twin_type(job.description.map_type, kind)
+    folder = job.folder.parent / map_type
+    if kind == CLEAN:
+        description = replace(job.description, map_type=map_type)
+        return replace(
+            job, folder=folder, description=description, products=None, labels=None, development=None, is_clean=True
+        )
+    seen, exposure = twin_plan(plan, kind), job.description.exposure
+    if exposure is not None:
+        exposure = exposure.through_lens(seen, job.index)
+    return replace(
+        _lens_job(seen, job.index, source, map_type, folder, exposure),
+        write=job.write,
+        # The same sensor has the same noise.
+        development=Development.of(seen, job.index, job.description.map_type),
+    )
+
+
+def twin_plan(plan: Plan, kind: str) -> Plan:
+    """Plan of the twins of a kind: with the same captures."""
+    return plan.undistorted if kind == UNDISTORTED else plan
+
+
+def _lens_job(
+    plan: Plan, index: int, source: Source, map_type: str, folder: Path, exposure: Exposure | None
+) -> PictureJob:
+    """Job of a capture as the lens of its plan shows it, without products and effects on light."""
     mission = plan.mission
     width, height = int(plan.frames.width_px[index]), int(plan.frames.height_px[index])
     if mission.output.img_size:
@@ -241,16 +297,11 @@ def image_job(
             zoom=plan.zoom,
             imagery_date=source.date,
             effective_gsd_m_per_px=_effective_gsd_m(plan, index),
-            exposure=None if exposures is None else exposures.exposure(index),
+            exposure=exposure,
             **pose,
         ),
         source_bands(source),
         source_ranges(source),
-        None if products_in is None else (plan, products_in),
-        write,
-        labels,
-        Development.of(plan, index, map_type),
-        mission.varied.keep_clean,
     )
 
 

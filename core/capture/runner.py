@@ -9,12 +9,13 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE, clean_type
+from ..dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message
 from ..imagery.opening import NamedSource
 from ..imagery.placeholder import Placeholder, Provided, Repeats
 from ..imagery.source import Source
+from ..map_types import twin_type
 from ..mission.export import write_plan
 from ..mission.plan import Plan
 from ..picture.camera_frame import load_code
@@ -25,7 +26,7 @@ from .journal import FAILED, Outcome
 from .labels import open_labels, write_label_tables
 from .making import DEFAULT_CONNECTIONS, ImageMaker, ImageParts, Maker, Piece, check_source
 from .progress import SILENT, CaptureResult, Failure, Listener, Progress, Repeat, Reporter
-from .records import plan_exposures, write_tables
+from .records import plan_exposures, twin_plan, write_tables
 
 if TYPE_CHECKING:
     from .blocks.engines import Engine
@@ -246,16 +247,18 @@ class CaptureRun:
                 other_columns(folder / TABLE_FILE),
                 in_shards=self._journal.in_shards,
             )
-            if self._plan.mission.varied.keep_clean and not self._journal.in_shards:
-                self._write_clean_table(map_type)
+            if not self._journal.in_shards:
+                self._write_twin_tables(map_type)
             self._journal.write_index(map_type)
         self._reporter.report(self._progress, at_once=True)
 
-    def _write_clean_table(self, map_type: str) -> None:
-        """Write the table of the images of a map type without effects."""
-        folder = self._journal.root / clean_type(map_type)
-        outcomes = {name: one.of_clean() for name, one in self._known[map_type].items()}
-        write_tables(folder, self._plan, self._source, outcomes, other_columns(folder / TABLE_FILE))
+    def _write_twin_tables(self, map_type: str) -> None:
+        """Write the tables of the twins of a map type's images."""
+        for kind in self._plan.mission.varied.twins:
+            folder = self._journal.root / twin_type(map_type, kind)
+            outcomes = {name: one.twin(kind) for name, one in self._known[map_type].items()}
+            plan = twin_plan(self._plan, kind)
+            write_tables(folder, plan, self._source, outcomes, other_columns(folder / TABLE_FILE))
 
     def _note_repeats(self, map_type: str) -> None:
         """Note the images that show files sent for several places far apart."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
+from ..map_types import CLEAN, twin_type, without_twin
 from ..storage.stores import Address, is_address, is_file, list_folders, resolved, store_path
 
 if TYPE_CHECKING:
@@ -148,20 +149,16 @@ def deciding_folder(name: str, among: Mapping[str, Path]) -> str | None:
     """Name of the roadmap folder whose entropies decide for a folder: with the same ending, or without.
 
     Among imageries, it is the only imagery of the deciding map type. Of images with effects of a real camera, whose
-    noise looks like detail, clean ones decide. None if there is no such folder, or if it is ``name`` itself.
+    noise looks like detail, clean ones decide; twins follow their images. None if there is no such folder, or if it is
+    ``name`` itself.
     """
     found = next((one for one in (deciding_name(name), DECIDING) if one in among), None)
     if found is None:
         of_type = [one for one, path in among.items() if path.name == DECIDING]
         found = of_type[0] if len(of_type) == 1 else None
-    clean = clean_type(found or name)
-    found = clean if clean in among else found
+    base = found or without_twin(name)[0]
+    found = next((one for one in (twin_type(base, CLEAN), base) if one in among), None)
     return None if found == name else found
-
-
-def clean_type(map_type: str) -> str:
-    """Map type, and folder, of images of a map type without the effects of a real camera."""
-    return f"{map_type}_clean"
 
 
 def _ending(name: str) -> str:

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import NDArray
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..labels.classes import MAX_CLASSES_BYTES, ClassTable, read_classes
+from ..map_types import is_undistorted, without_twin
 from ..storage.files import read_existing
 from ..storage.stores import is_file
 from .dataset import UNREADABLE, ImageSet, Place, check_px, open_undecoded, read_image_file
@@ -44,6 +45,12 @@ class LabelImages:
         InvalidInput
             The dataset has no ``classes.json``, or it cannot be read.
         """
+        if is_undistorted(self._images.map_type):
+            raise InvalidInput(
+                "map type {0}: labels are those of the images with distortion",
+                self._images.map_type,
+                remedy=Message("take {0}", without_twin(self._images.map_type)[0]),
+            )
         path = self.folder / CLASSES_FILE
         data = read_existing(path, MAX_CLASSES_BYTES)
         if data is None:

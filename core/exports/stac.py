@@ -20,6 +20,7 @@ from ..errors import InvalidInput
 from ..geodesy.camera import image_axes
 from ..geodesy.ellipsoid import arctan2
 from ..geodesy.mercator import wrap_lon_deg
+from ..map_types import is_undistorted
 from ..mission.mission import Mission
 from ..storage.files import json_bytes, write_whole
 from ..storage.stores import Address, is_file
@@ -82,7 +83,8 @@ def describe(dataset: Dataset, map_type: str | None = None) -> list[Path]:
         place = images.folder.parent
         if place not in shown:
             shown[place] = FootprintGeometries.read(place)
-        parts.append(_Items.from_images(dataset, name, images, shown[place]))
+        footprints = None if is_undistorted(images.map_type) else shown[place]
+        parts.append(_Items.from_images(dataset, name, images, footprints))
     if not any(len(one.rows) for one in parts):
         raise InvalidInput("folder {0}: has no image to export", dataset.folder)
     collection = _collection(dataset, parts)

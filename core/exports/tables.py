@@ -19,6 +19,7 @@ from ..dataset.folder import FOOTPRINTS_FILE, TABLE_FILE
 from ..dataset.table import NUMBER, TEXT, TIME, Column, written_columns
 from ..errors import InvalidInput, OutputError
 from ..limits import MAX_TABLE_BYTES
+from ..map_types import is_undistorted
 from ..storage.files import make_folder, new_folder, open_foreign, read_line, write_whole
 from ..storage.stores import Address, is_address, is_file, resolved, store_path
 from ..text.plain import writable
@@ -179,7 +180,7 @@ def _blocks(arrow: Any, images: ImageSet) -> Iterator[bytes]:
     """Parquet file of the table of a map type, in blocks."""
     columns = written_columns(images.table)
     fields = [(one.header, arrow_type(arrow, one.kind)) for one in columns]
-    shown = FootprintGeometries.read(images.folder.parent)
+    shown = None if is_undistorted(images.map_type) else FootprintGeometries.read(images.folder.parent)
     metadata: dict[str, Any] = {}
     places = None if shown is None else shown.places(images.table.img_names)
     if shown is not None and places is not None:

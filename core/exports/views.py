@@ -170,7 +170,7 @@ class Views:
         level = table.agl_m[rows] + mission.flight.ground_height_m
         times = unix_seconds([table.time_utc[row] for row in rows.tolist()])
         width, height = (size[rows] for size in (table.image_width_px, table.image_height_px))
-        camera = mission.camera
+        camera = mission.camera_of(images.map_type)
         tan_x, tan_y = camera.half_tangents
         return cls(
             images.image_folder,

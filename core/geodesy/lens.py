@@ -261,6 +261,14 @@ class Lens(CheckedFields):
         return not (self.distorts or self.splits_colours)
 
     @property
+    def undistorted(self: _Lens) -> _Lens:
+        """Ideal pinhole camera with the same focal length and shape of the image, and a centred axis."""
+        fov_deg = self.fov_deg
+        if self.lens != PERSPECTIVE:
+            fov_deg = _across_deg(_half_size(fov_deg, self.lens), PERSPECTIVE)
+        return type(self)(fov_deg, self.aspect_ratio)
+
+    @property
     def coefficients(self) -> dict[str, float]:
         """Coefficients that this kind of lens has, by name, in OpenCV's order."""
         others = ("k3", "k4") if self.lens == FISHEYE else ("p1", "p2", "k3", "k4", "k5", "k6")

@@ -343,8 +343,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         Simultaneous requests, and cores that encode.
     """
     mission, types = plan.mission, len(plan.mission.imagery.map_types)
-    # Clean images are written beside the others.
-    pixels = _image_px(plan) * (2 if mission.varied.keep_clean else 1)
+    pixels = _image_px(plan) * (1 + len(mission.varied.twins))
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
     if costs.requests_per_s:
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)

@@ -290,17 +290,24 @@ def choose_methods(
             remedy="choose a source of tiles",
         )
     flown = framed(mission, grid, CameraFraming(mission, grid), disturbed, relief)
+    return flown, camera_methods(mission, grid, flown, relief, picture)
+
+
+def camera_methods(
+    mission: Mission, grid: PixelGrid, flown: Framed, relief: Relief, rejected: Choice | None = None
+) -> ChosenMethods:
+    """Methods of camera frames, and the choice that was rejected for them; raises InvalidInput as `choose_methods`."""
     check_windows(flown, mission, grid)
     scene = _resolved(image_geometry(mission, flown, grid))
     found, footprint = camera_frame(scene), exact_footprint(scene)
-    picture = Choice(found) if picture is None else Choice(found, picture.rejected, picture.reason)
+    picture = Choice(found) if rejected is None else Choice(found, rejected.rejected, rejected.reason)
     others_px = found.bound_px + footprint.bound_px
     if relief.is_level:
         pixels = choose_pixels(mission, scene, others_px)
     else:
         pixels = Choice(relief_rays(scene, _remaining_px(mission, others_px)))
     made = _gather(mission, grid, scene, Choice(footprint), picture, pixels)
-    return flown, replace(made, relief=relief.text())
+    return replace(made, relief=relief.text())
 
 
 def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:

@@ -13,6 +13,7 @@ from ..errors import InvalidInput, Message, OptionName
 from ..fields import Field, declared_fields
 from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
+from ..map_types import is_undistorted
 from ..storage.files import read_limited, write_whole
 from ..text.safe_json import decoded, parse_json
 from .areas.area import Area, Box, Points, Polygon, Polygons, check_ground
@@ -166,6 +167,12 @@ class Mission:
                 remedy=Message("choose another exposure{0}", OptionName("exposure").in_brackets),
             )
         _check_varied(parts)
+        if parts["varied"].keep_undistorted and parts["camera"].is_ideal:
+            raise InvalidInput(
+                "undistorted images: the lens does not distort, so they would be the images themselves",
+                field="keep_undistorted",
+                remedy="choose a lens with distortion, or leave them out",
+            )
         if RAW in parts["output"].products:
             _check_raw(parts["sensor"], parts["output"])
         exposure = parts["exposure"].exposure
@@ -234,6 +241,15 @@ class Mission:
     def of_first_imagery(self) -> Mission:
         """The mission of the first of several imageries, which share one flight; itself with one source."""
         return self.select_imagery(self.imagery.named[0]) if self.imagery.named else self
+
+    @property
+    def undistorted(self) -> Mission:
+        """The mission with a lens of the same focal length that does not distort, and without such twins."""
+        return self.replace(camera=self.camera.undistorted, keep_undistorted=False)
+
+    def camera_of(self, map_type: str) -> Camera:
+        """Camera of the images of a map type, which has no distortion for undistorted twins."""
+        return self.camera.undistorted if is_undistorted(map_type) else self.camera
 
     def select_imagery(self, imagery: NamedImagery) -> Mission:
         """Return a copy that captures this imagery alone."""

@@ -25,10 +25,10 @@ from .flight.rates import Rates, flight_rates
 from .flight.wind import Wind
 from .layout.coverage import Coverage, ImageryShare, Overlap, Rectangles, coverage, imagery_share, overlap
 from .layout.frames import Frames
-from .layout.framing import ground_ellipsoid, nominal_poses
+from .layout.framing import Framed, ground_ellipsoid, nominal_poses, seen_by_camera
 from .layout.rotated import Pass, plane_share, rotated_coverage, rotated_overlap
 from .layout.rows import Layout, sees_below, turns_at_random
-from .methods import ChosenMethods, choose_methods
+from .methods import ChosenMethods, camera_methods, choose_methods
 from .mission import Mission
 from .parts import BY_TIME, IDEAL
 from .relief.ground import Flown, Heights, Relief, level_ground
@@ -133,7 +133,39 @@ class Plan:
         if self.mission.takes_time:
             part.__dict__["rates"] = self.rates.take(which)
         part.__dict__["frame_centres"] = tuple(angle[which] for angle in self.frame_centres)
+        if self.mission.varied.keep_undistorted:
+            part.__dict__["undistorted"] = self.undistorted.part(which)
+            part.undistorted.__dict__["names"] = part.names
         return part
+
+    @cached_property
+    def undistorted(self) -> Plan:
+        """Plan of the same captures with a lens of the same focal length that does not distort.
+
+        Raises
+        ------
+        InvalidInput
+            No methods fit the error budget, or the camera does not see the map.
+        """
+        mission, relief = self.mission.undistorted, self.relief.of_undistorted()
+        levelled = mission.replace(ground_height_m=self.level_m)
+        poses = self.poses if self.flown is None else self.poses._replace(agl_m=self.flown.seen_agl_m)
+        layout = Layout(self.column, self.row, *poses[:4])
+        flown = Framed(layout, poses, self.zoom, self.windows, self.frames)
+        flown = seen_by_camera(levelled, self.grid, flown)
+        seen = replace(
+            self,
+            mission=mission,
+            windows=flown.windows,
+            corners=relief.corners(self.poses, self.height_m),
+            accuracy=camera_methods(levelled, self.grid, flown, relief),
+            relief=relief,
+        )
+        if self.mission.takes_time:
+            seen.__dict__["rates"] = self.rates
+        # Centres of images, after which they are named, depend on the lens.
+        seen.__dict__["names"] = self.names
+        return seen
 
     @property
     def lat_deg(self) -> Floats:
@@ -447,6 +479,8 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     )
     if mission.exposure.exposure != IDEAL or mission.takes_time:
         _check_exposure(planned)
+    if mission.varied.keep_undistorted:
+        _ = planned.undistorted
     return planned
 
 

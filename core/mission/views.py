@@ -225,8 +225,8 @@ class CameraViews:
         """Width and height of a capture's picture."""
         return int(self.frames.width_px[index]), int(self.frames.height_px[index])
 
-    def tile_count(self, passes: tuple[Pass, ...]) -> int:
-        """Number of distinct tiles, of all zooms, that the camera frames see.
+    def tile_keys(self, passes: tuple[Pass, ...]) -> NDArray[np.int64]:
+        """Keys of the distinct tiles, of all zooms, that the camera frames see; see `View.tile_keys`.
 
         Exact where captures of a row share a view. Where wind or a grid in UTM gives each of many captures a different
         view, some views are also used for neighbouring captures.
@@ -253,7 +253,7 @@ class CameraViews:
             if end == count or sum(map(len, added)) > len(seen):
                 seen = np.unique(np.concatenate([seen, *added]))
                 added = []
-        return len(seen)
+        return seen
 
     def _level_view(self, index: int) -> View:
         """View over the level ground that captures are planned over, cached."""

@@ -547,7 +547,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     attitude = (table.yaw_deg[rows], table.tilt_deg[rows], table.roll_deg[rows])
     sizes = np.stack([side[rows] for side in (table.image_width_px, table.image_height_px)], axis=1)
     return CameraImages(
-        mission.camera,
+        mission.camera_of(images.map_type),
         Poses(lat, lon, agl, *attitude),
         ground,
         relief,

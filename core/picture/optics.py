@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime, timedelta
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -171,13 +171,34 @@ class Exposure:
     taken: datetime | None
     settings: CameraSettings = field(default_factory=CameraSettings)
 
+    def through_lens(self, plan: Plan, index: int) -> Exposure:
+        """The same exposure with the optics of another plan of the captures."""
+        (row,) = _optics_rows(plan, np.array([index]))
+        return replace(self, body=camera_body(plan.mission.camera), **_optics_of_row(row))
+
+
+def _optics_rows(plan: Plan, at: NDArray[np.int64]) -> Floats:
+    """Optics and accuracies of a plan's pictures as written, (k, 8)."""
+    optics = plan_optics(plan, at)
+    return np.stack([*optics, *optics.accuracy_m(plan.agl_m[at])], axis=1)
+
+
+def _optics_of_row(row: Floats) -> dict[str, Any]:
+    """Fields of an `Exposure` in a row of `_optics_rows`."""
+    width, height, focal_x, focal_y, centre_x, centre_y, *accuracy = row.tolist()
+    return {
+        "size_px": (int(width), int(height)),
+        "focal_px": (focal_x, focal_y),
+        "centre_px": (centre_x, centre_y),
+        "accuracy_m": tuple(accuracy),
+    }
+
 
 class Exposures:
     """Exposures of a plan's captures."""
 
     def __init__(self, plan: Plan) -> None:
-        optics = plan_optics(plan, np.arange(len(plan)))
-        self._columns = np.stack([*optics, *optics.accuracy_m(plan.agl_m)], axis=1)
+        self._columns = _optics_rows(plan, np.arange(len(plan)))
         self._body = camera_body(plan.mission.camera)
         self._height_m, self._start, self._times_s = (
             plan.height_m,
@@ -194,15 +215,11 @@ class Exposures:
 
     def exposure(self, index: int) -> Exposure:
         """Exposure of one capture."""
-        width, height, focal_x, focal_y, centre_x, centre_y, *accuracy = self._columns[index].tolist()
         return Exposure(
             self._body,
-            (int(width), int(height)),
-            (focal_x, focal_y),
-            (centre_x, centre_y),
-            self._height_m[index].item(),
-            (accuracy[0], accuracy[1]),
-            self._taken(index),
+            altitude_m=self._height_m[index].item(),
+            taken=self._taken(index),
+            **_optics_of_row(self._columns[index]),
         )
 
     def _taken(self, index: int) -> datetime | None:

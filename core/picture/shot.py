@@ -276,10 +276,20 @@ def make_shot(plan: Plan, index: int) -> MapShot | Shot:
 
 
 def picture_parts(plan: Plan, source: Source, index: int) -> list[Part]:
-    """Parts of a source for the picture of one capture."""
+    """Parts of a source for the picture of one capture and its twins."""
     if plan.frames.on_map:
         return source.parts(capture_window(plan, index))
-    return parts_of_tiles(plan.grid, Shot(plan, index).tiles)
+    return parts_of_tiles(plan.grid, shown_tiles(plan, index))
+
+
+def shown_tiles(plan: Plan, index: int) -> list[tuple[int, int, int]]:
+    """Zoom, column (not wrapped) and row of each tile that a camera frame and its twins show."""
+    return sorted({tile for one in lens_plans(plan) for tile in Shot(one, index).tiles})
+
+
+def lens_plans(plan: Plan) -> tuple[Plan, ...]:
+    """The plan, and that of undistorted twins if it has them."""
+    return (plan, plan.undistorted) if plan.mission.varied.keep_undistorted else (plan,)
 
 
 def draw(

@@ -9429,6 +9429,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>etiquetas {0}: deben tener un solo canal de números enteros</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/label_images.py"/>
+        <source>map type {0}: labels are those of the images with distortion</source>
+        <translation>tipo de mapa {0}: las etiquetas son las de las imágenes con distorsión</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/label_images.py"/>
+        <source>take {0}</source>
+        <translation>tome {0}</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/labels.py"/>
         <source>capture or clean anew</source>
         <translation>capture o limpie de nuevo</translation>
@@ -14430,6 +14440,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>choose a lens with distortion, or leave them out</source>
+        <translation>elija un objetivo con distorsión, o prescinda de ellas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>choose another exposure{0}</source>
         <translation>elija otra exposición{0}</translation>
     </message>
@@ -14538,6 +14553,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/mission.py"/>
         <source>resampling {0}: must be bilinear for sampling {1}</source>
         <translation>remuestreo {0}: debe ser bilinear para el muestreo {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>undistorted images: the lens does not distort, so they would be the images themselves</source>
+        <translation>imágenes sin distorsión: el objetivo no distorsiona, así que serían las propias imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/options.py"/>
@@ -16145,6 +16165,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
+        <source>also write each image without the lens's distortion, drawn from the imagery with the same focal length, under the same name into the folder of its map type with _undistorted appended</source>
+        <translation>escribir también cada imagen sin la distorsión del objetivo, dibujada a partir de las imágenes con la misma distancia focal, con el mismo nombre, en la carpeta de su tipo de mapa con _undistorted añadido</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
         <source>distance from the planned pose</source>
         <translation>distancia a la pose planificada</translation>
     </message>
@@ -16157,6 +16182,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/varied.py"/>
         <source>keep clean images</source>
         <translation>conservar imágenes limpias</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>keep undistorted images</source>
+        <translation>conservar imágenes sin distorsión</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from qgis.PyQt.QtCore import pyqtSignal
 
 from ...core.capture.progress import OverallProgress
-from ...core.dataset.folder import FOOTPRINTS_FILE, clean_type
+from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import InvalidInput, OutputError, SourceError
+from ...core.map_types import CLEAN, twin_type
 from ...core.storage.files import file_exists
 from ..i18n import tr, translate
 from ..settings import Settings
@@ -244,7 +245,7 @@ class CaptureTask(Task):
         map_type = mission.imagery.map_types[0]
         self.picture = self._on_map(map_type)
         if mission.varied.keep_clean:
-            self.clean_picture = self._on_map(clean_type(map_type))
+            self.clean_picture = self._on_map(twin_type(map_type, CLEAN))
 
     def _on_map(self, map_type: str) -> Path:
         """File that shows a test shot of a map type on the map."""

@@ -50,6 +50,8 @@ _ENTRIES = {
     "speed_m_per_s": "wind_speed_m_per_s",
     "from_deg": "wind_from_deg",
 }
+#: Fields of twins of images, which are no effects.
+_KEPT = ("keep_clean", "keep_undistorted")
 #: Least and greatest aspect ratio: others are slips, for which the planner would blame the height.
 _ASPECTS = 0.001, 1000.0
 #: Key of errors that concern no entry of the panel.
@@ -116,6 +118,7 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
         takeoff="",
         no_fly="",
         keep_clean=has_effects,
+        keep_undistorted=False,
         **route,
     )
     return _mission(single, checks("agl", lambda: Points(((lat_deg, lon_deg, state.agl_m),))), checks)
@@ -124,7 +127,7 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
 def _effect_fields() -> list[Field]:
     """Fields of the effects of a real camera, and of values that vary; not those of the sun, which is on the scene."""
     parts = (FLAT_PARTS[name] for name in REALISM_PARTS if FLAT_PARTS[name] is not Sunlight)
-    return [one for part in parts for one in declared_fields(part) if one.name != "keep_clean"]
+    return [one for part in parts for one in declared_fields(part) if one.name not in _KEPT]
 
 
 def box(state: FormState) -> Box | None:

@@ -110,6 +110,7 @@ _OTHERS = {
     "shortest_exposure_ms": 0.5,
     "vignetting": "-0.2 0.05",
     "airlight": "200 210 220",
+    "camera": Camera(k1=-0.1),
 }
 #: Fields that others require.
 _NEEDED = {
@@ -119,6 +120,7 @@ _NEEDED = {
     "split_after": ("takeoff",),
     "motion_blur": ("exposure_ms",),
     "diffraction": ("pixel_um",),
+    "keep_undistorted": ("camera",),
     **dict.fromkeys(
         (
             "quantum_efficiency",

@@ -29,6 +29,7 @@ from ...mission.plan import Plan
 from ...picture.camera_frame import load_code
 from ...picture.heights import landscape_crs, terrain_heights
 from ...picture.optics import Exposures
+from ...picture.shot import lens_plans
 from ...resources import version
 from ...storage.files import read_existing, write_whole
 from ...storage.stores import store_path
@@ -363,7 +364,8 @@ def _restore_heights(block: Block) -> Plan:
     )
     heights = terrain_heights(block.terrain, asked)
     if heights is not None:
-        plan.relief.load(heights, _surface(block.destination, block.run))
+        for one in lens_plans(plan):
+            one.relief.load(heights, _surface(block.destination, block.run))
     return plan
 
 

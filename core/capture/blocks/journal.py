@@ -9,10 +9,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ...dataset.folder import JOURNAL_FILE, clean_type
+from ...dataset.folder import JOURNAL_FILE
 from ...errors import InvalidInput, Message, OutputError
 from ...imagery.placeholder import Placeholder, noted_digests
 from ...limits import MAX_RECORD_BYTES, MAX_SETTINGS_BYTES
+from ...map_types import twin_type
 from ...mission.plan import Plan
 from ...storage.files import json_bytes, read_each, read_existing, write_whole
 from ...storage.stores import is_address, is_file, list_sizes
@@ -101,7 +102,9 @@ class BlockJournal(CaptureJournal):
         wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(len(self._divided))}
         numbers = [number for number, name in wanted.items() if name in existing]
         sizes = file_sizes(self.root / map_type)
-        clean_sizes = file_sizes(self.root / clean_type(map_type)) if self._plan.mission.varied.keep_clean else None
+        twin_sizes = {
+            kind: file_sizes(self.root / twin_type(map_type, kind)) for kind in self._plan.mission.varied.twins
+        }
         paths = [self.root / BLOCKS_FOLDER / wanted[number] for number in numbers]
         read = zip(numbers, read_each(paths, MAX_RECORD_BYTES))
         records = {number: Record.from_bytes(data or b"") for number, data in read}
@@ -111,7 +114,7 @@ class BlockJournal(CaptureJournal):
             for number, record in records.items()
             if record is not None
             and record.matches(map_type, [names[index] for index in self._divided[number].tolist()])
-            and self._is_whole(map_type, number, record, sizes, clean_sizes)
+            and self._is_whole(map_type, number, record, sizes, twin_sizes)
         }
 
     def _is_whole(
@@ -120,7 +123,7 @@ class BlockJournal(CaptureJournal):
         number: int,
         record: Record,
         sizes: Mapping[str, int],
-        clean_sizes: Mapping[str, int] | None,
+        twin_sizes: Mapping[str, Mapping[str, int]],
     ) -> bool:
         """Whether the files of a block still have the sizes that its record states, and hold its images."""
         shard = shard_name(map_type, number) if self.in_shards else ""
@@ -131,7 +134,7 @@ class BlockJournal(CaptureJournal):
         made = [one for one in record.outcomes.values() if one.status != FAILED]
         return all(
             is_complete(one, self._endings, sizes)
-            and (clean_sizes is None or is_complete(one.of_clean(), self._endings, clean_sizes))
+            and all(is_complete(one.twin(kind), self._endings, of_twins) for kind, of_twins in twin_sizes.items())
             for one in made
         )
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...dataset.folder import clean_type
 from ...dataset.table import TEXT, TIME, Table, json_cell, written_columns
+from ...map_types import TWINS, twin_type
 
 #: File of the index of a map type's shards, for the library ``wids``.
 INDEX_FILE = "shards.json"
@@ -93,7 +93,8 @@ class Gathered:
         """Other files of an image: its sidecar files and products."""
         endings = (".jgw", ".pgw", f"{file_name[len(name) :]}.aux.xml")
         wanted = [(map_type, name + ending) for ending in endings]
-        wanted += [(clean_type(map_type), name + ending) for ending in (file_name[len(name) :], *endings)]
+        twins = [twin_type(map_type, kind) for kind in TWINS]
+        wanted += [(twin, name + ending) for twin in twins for ending in (file_name[len(name) :], *endings)]
         # Labels are TIFF or PNG, the latter with sidecar files.
         of_labels = (".tif", ".png", ".pgw", ".png.aux.xml")
         wanted += [(product, name + ending) for product in products for ending in of_labels]

@@ -35,8 +35,8 @@ class SeenGround(Protocol):
         """Latitude and longitude where the cameras' axes meet the ground, degrees, (n,) each."""
         ...
 
-    def tile_count(self, passes: tuple[Pass, ...]) -> int:
-        """Number of different tiles in the camera frames."""
+    def tile_keys(self, passes: tuple[Pass, ...]) -> NDArray[np.int64]:
+        """Keys of the different tiles in the camera frames."""
         ...
 
 
@@ -102,6 +102,10 @@ class FramedPlan(Protocol):
     @property
     def views(self) -> SeenGround:
         """Ground that the cameras see."""
+
+    @property
+    def undistorted(self) -> FramedPlan:
+        """Plan of the same captures with a lens that does not distort."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,8 +296,11 @@ class CameraFrames:
         return camera_gsd_m_per_px(mission, poses, self)
 
     def tile_count(self, plan: FramedPlan) -> int:
-        """Number of different tiles of all zooms in the pictures: see `CameraViews.tile_count`."""
-        return plan.views.tile_count(plan.passes)
+        """Number of different tiles of all zooms in the pictures and their twins: see `CameraViews.tile_keys`."""
+        keys = plan.views.tile_keys(plan.passes)
+        if plan.mission.varied.keep_undistorted:
+            keys = np.union1d(keys, plan.undistorted.views.tile_keys(plan.passes))
+        return len(keys)
 
     def rectangles(self, plan: FramedPlan, part: Pass, at: slice) -> Rectangles:
         """Rectangles of ground inside the pictures of a pass, in the plane of its rows."""

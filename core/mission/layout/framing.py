@@ -146,6 +146,11 @@ def framed(
     return Framed(layout, poses, zoom, windows, frames, passes, flown, parts, lost, in_skipped_rows)
 
 
+def seen_by_camera(mission: Mission, grid: PixelGrid, flown: Framed) -> Framed:
+    """Return the same camera frames as the camera of another mission sees them."""
+    return flown._replace(windows=_windows(CameraFraming(mission, grid), flown.poses, grid, flown.zoom, None))
+
+
 class PlacedCaptures(NamedTuple):
     """Captures in rows: their layout, passes, and the indices of the first captures of several polygons."""
 

@@ -1,4 +1,4 @@
-"""The part of a mission that varies its images at random, and keeps them as they were before effects."""
+"""The part of a mission that varies its images at random, and keeps twins of them without effects or distortion."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ...camera.varying import Variation
 from ...errors import InvalidInput, Message
 from ...fields import CheckedFields, Field, declared, declared_fields, field_named
 from ...geodesy.lens import Lens
+from ...map_types import TWINS
 from .air import Air
 from .exposure import ExposureControl
 from .flown import Attitude, Flight, Route
@@ -143,6 +144,18 @@ class Varied(CheckedFields):
         "folder of its map type with _clean appended",
         advanced=True,
     )
+    keep_undistorted: bool = declared(
+        False,
+        title="keep undistorted images",
+        help="also write each image without the lens's distortion, drawn from the imagery with the same focal length, "
+        "under the same name into the folder of its map type with _undistorted appended",
+        advanced=True,
+    )
+
+    @property
+    def twins(self) -> tuple[str, ...]:
+        """Kinds of twins that each image has, of `TWINS`."""
+        return tuple(kind for kind in TWINS if getattr(self, f"keep_{kind}"))
 
     @property
     def of_poses(self) -> tuple[Variation, ...]:

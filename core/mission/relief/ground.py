@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
@@ -181,6 +181,10 @@ class Relief(Protocol):
         """Restore the heights, which pickling leaves out."""
         ...
 
+    def of_undistorted(self) -> Relief:
+        """The same ground as cameras without distortion see it, which shares the heights in memory."""
+        ...
+
     def text(self) -> str:
         """Description for people; empty for level ground."""
         ...
@@ -317,6 +321,10 @@ class LevelGround:
 
     def load(self, heights: Heights, heights_m: NDArray[Any]) -> None:
         """Do nothing."""
+
+    def of_undistorted(self) -> LevelGround:
+        """The same ground as cameras without distortion see it."""
+        return replace(self, camera=self.camera.undistorted)
 
     def text(self) -> str:
         """Return an empty text."""

@@ -102,6 +102,13 @@ class ModelledRelief:
         self.heights = heights
         self._surface = replace(self._surface, heights_m=heights_m)
 
+    def of_undistorted(self) -> ModelledRelief:
+        """The same ground as cameras without distortion see it, which shares the heights in memory."""
+        seen = object.__new__(ModelledRelief)
+        # `copy` would leave out the heights, as pickling does.
+        seen.__dict__.update(self.__dict__, mission=self.mission.undistorted)
+        return seen
+
     @property
     def _planned(self) -> ElevationModel:
         """The surface that the flight keeps clear of."""
@@ -716,7 +723,9 @@ def _reaches(mission: Mission) -> Floats:
         angles = [np.array([getattr(mission.attitude, f"{name}_deg")]) for name in ANGLES]
     # The yaw does not change the distance, and equal attitudes are computed once.
     (tilts, rolls), which = np.unique(np.stack(angles[1:]), axis=1, return_inverse=True)
-    rays = mission.camera.rays_enu(mission.camera.extremes.image_xy, np.zeros_like(tilts), tilts, rolls)
+    cameras = (mission.camera, mission.camera.undistorted) if mission.varied.keep_undistorted else (mission.camera,)
+    seen = [one.rays_enu(one.extremes.image_xy, np.zeros_like(tilts), tilts, rolls) for one in cameras]
+    rays = np.concatenate(seen, axis=-2)
     with np.errstate(divide="ignore"):
         tangents = np.hypot(rays[..., 0], rays[..., 1]) / np.maximum(-rays[..., 2], 1e-9)
     farthest: Floats = np.minimum(tangents.max(axis=-1), _MAX_TANGENT)

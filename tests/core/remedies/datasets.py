@@ -26,6 +26,7 @@ from terrainav.core.dataset.split import split, undo_split
 from terrainav.core.dataset.table import Table, image_parts
 from terrainav.core.errors import Cancelled
 from terrainav.core.exports.label_sets import write_coco
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -739,6 +740,15 @@ def _no_labels(case: Case) -> None:
         assert set(np.unique(LabelledImages(labelled, **chosen).take([0])[1])) == {0, 1}
 
     case.follow("capture it with labels", with_labels)
+
+
+@remedy("dataset/label_images.py", "map type {}: labels are those of the images with distortion; take {}")
+def _labels_of_twins(case: Case) -> None:
+    chosen = {"part": "all", "targets": ("classes",)}
+    lens = MISSION.replace(camera=Camera(60.0, k1=-0.2), keep_undistorted=True, labels=labels_file(case))
+    folder = captured(case, lens)
+    case.refused(lambda: LabelledImages(folder, map_type="satellite_undistorted", **chosen))
+    case.follow("take satellite", lambda: LabelledImages(folder, map_type="satellite", **chosen))
 
 
 @remedy("dataset/loading/batches.py", "table {}: has split {} ({}); must be one of {} or empty: split anew")

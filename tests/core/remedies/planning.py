@@ -441,6 +441,20 @@ def _folds(case: Case) -> None:
 
 
 @remedy(
+    "mission/mission.py",
+    "undistorted images: the lens does not distort, so they would be the images themselves; "
+    "choose a lens with distortion, or leave them out",
+)
+def _is_ideal(case: Case) -> None:
+    ideal = at(35.0, 120.0)
+    case.refused(lambda: ideal.replace(keep_undistorted=True))
+    case.follow(
+        "choose a lens with distortion", lambda: ideal.replace(keep_undistorted=True, camera=Camera(60.0, k1=-0.2))
+    )
+    case.follow("leave them out", lambda: ideal.replace(keep_undistorted=False))
+
+
+@remedy(
     "geodesy/distortion.py",
     "fisheye: its image reaches {} focal lengths from the principal point, where a ray is more than {} deg off the "
     "axis ({} focal lengths); choose a smaller field of view",
