@@ -16,6 +16,7 @@ from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import OutputError
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -60,6 +61,16 @@ MISSIONS = {
         overlap_along=0.1,
         img_size=(160, 120, 3),
     ),
+    "twins": Mission(
+        Box(35.16, -89.90, 35.1575, -89.897),
+        120.0,
+        Camera(k1=-0.2),
+        keep_clean=True,
+        keep_undistorted=True,
+        visibility_km=5.0,
+        image_px=96,
+        image_format="jpg",
+    ),
 }
 
 
@@ -96,9 +107,10 @@ def check_interrupted(folder: Path, whole: dict[str, object]) -> None:
             assert path.read_bytes() == whole[name], f"{name} is torn"
     for line in lines:
         outcome = Outcome.from_line(line)
-        # The whole picture, with what belongs beside it.
+        # The whole picture and its twins, with what belongs beside them.
         beside = [name for name in whole if Path(name).name.partition(".")[0] == outcome.name]
-        assert all(name in left for name in beside if name.startswith(outcome.map_type + os.sep))
+        for one in (outcome, *outcome.twins):
+            assert all(name in left for name in beside if name.startswith(one.map_type + os.sep))
 
 
 def killed_until_complete(run, folder, whole, kills, chance, longest_s):
@@ -122,10 +134,19 @@ def killed_until_complete(run, folder, whole, kills, chance, longest_s):
 @pytest.mark.thorough
 @KILLS
 def test_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_path, most):
+    kill_missions(driver, tmp_path, list(MISSIONS), most)
+
+
+def test_killed_captures_with_twins_are_as_in_one_go(driver, tmp_path):
+    kill_missions(driver, tmp_path, ["twins"], 3)
+
+
+def kill_missions(driver, tmp_path, names, most):
+    """Capture missions in turn until there were so many kills."""
     chance, kills, turn = random.Random(SEED), 0, 0
     wholes = {}
     while kills < most:
-        name = list(MISSIONS)[turn % len(MISSIONS)]
+        name = names[turn % len(names)]
         mission = MISSIONS[name].to_json()
         if name not in wholes:
             folder = tmp_path / f"whole {name}"
