@@ -5052,6 +5052,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>List the image sensors</source>
+        <translation>Mostrar la lista de sensores de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Metres or international feet, for this height and for lengths and areas in the estimates</source>
         <translation>Metros o pies internacionales, para esta altura y para longitudes y áreas de la estimación</translation>
     </message>

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QCompleter, QLabel, QMenu, QWidget
+from qgis.PyQt.QtWidgets import QCompleter, QLabel, QLineEdit, QMenu, QWidget
 
 from ...core.fields import declared_fields
 from ...core.geodesy.lens import LENS_FIELDS
@@ -434,7 +434,13 @@ def _entry(name: str) -> QWidget:
     names = QCompleter([*(one.name for one in shipped_sensors()), CUSTOM], line)
     names.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
     names.setFilterMode(Qt.MatchFlag.MatchContains)
+    # The entry is narrower than names.
+    names.popup().setMinimumWidth(max(map(line.fontMetrics().horizontalAdvance, names.model().stringList())) + 20)
     line.setCompleter(names)
+    arrow = QgsApplication.getThemeIcon("/mActionArrowDown.svg")
+    every = line.addAction(arrow, QLineEdit.ActionPosition.TrailingPosition)
+    every.setToolTip(tr("List the image sensors"))
+    every.triggered.connect(lambda: (names.setCompletionPrefix(""), names.complete()))
     return line
 
 

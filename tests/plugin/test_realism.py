@@ -11,6 +11,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.presets import CAMERA_KINDS, camera_kind_values
+from terrainav.core.mission.sensors import shipped_sensors
 from terrainav.terrainav_plugin.form.mission_form import mission, mission_state
 from terrainav.terrainav_plugin.form.presets import find_camera_kind
 from terrainav.terrainav_plugin.form.state import FormState
@@ -128,6 +129,21 @@ def test_rows_are_shown_for_what_is_chosen(desk, section):
     entries["k1"].setValue(-0.1)
     # What counts stays in sight.
     assert entries["k1"].isVisible()
+    desk.form.set_state(FormState())
+
+
+def test_every_image_sensor_is_listed_by_a_click(desk, section):
+    line = section.entries["image_sensor"]
+    line.setText("FRAMOS IMX900 low gain")
+    (arrow,) = (one for one in line.actions() if one.toolTip() == "List the image sensors")
+    arrow.trigger()
+    popup = line.completer().popup()
+    assert popup.isVisible()
+    shown = popup.model()
+    names = [shown.index(row, 0).data() for row in range(shown.rowCount())]
+    assert names == [*(one.name for one in shipped_sensors()), "custom"]
+    assert popup.width() > max(map(popup.fontMetrics().horizontalAdvance, names))
+    popup.hide()
     desk.form.set_state(FormState())
 
 
