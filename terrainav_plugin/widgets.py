@@ -598,6 +598,8 @@ class FieldMessage(QLabel):
         self._fit()
 
     def _fit(self) -> None:
+        # A label's height for a width is at least its minimum, that of the text before.
+        self.setMinimumHeight(0)
         self.setMinimumHeight(self.heightForWidth(self.width()) if self.text() else 0)
 
 

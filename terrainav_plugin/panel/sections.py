@@ -398,6 +398,7 @@ class RealismSection(Section):
         block, outer = QWidget(), self._form
         block.setProperty(KEYLESS, True)
         self._form = form_layout(block)
+        self._form.setContentsMargins(0, 0, 0, 0)
         for name in names:
             self.add_declared(name)
         self._form = outer

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from qgis.PyQt.QtWidgets import QApplication, QComboBox
+from qgis.PyQt.QtWidgets import QApplication, QComboBox, QLabel
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
@@ -144,6 +144,18 @@ def test_every_image_sensor_is_listed_by_a_click(desk, section):
     assert names == [*(one.name for one in shipped_sensors()), "custom"]
     assert popup.width() > max(map(popup.fontMetrics().horizontalAdvance, names))
     popup.hide()
+    desk.form.set_state(FormState())
+
+
+def test_a_short_message_takes_no_more_room_than_it_needs(desk, section):
+    line, message = section.entries["vary"], desk.form.findChild(QLabel, "vary_message")
+    heights = []
+    for text in ("iso=normal(200,50)", "high=uniform(1,2)", "iso=normal(200,50)"):
+        line.setText(text)
+        desk.wait_planned()
+        QApplication.processEvents()
+        heights.append(message.height())
+    assert heights[0] == heights[2] < heights[1] / 2
     desk.form.set_state(FormState())
 
 
