@@ -69,7 +69,7 @@ class _Checks:
             return check()
         except TerrAInavError as wrong:
             # When entries are checked together, the error may name an entry other than ``field``.
-            named = wrong.field if wrong.field in BOX_FIELDS else field
+            named = wrong.field if wrong.field in (*BOX_FIELDS, *LENS_FIELDS) else field
             self.messages.setdefault(named, translate(wrong))
         return None
 

@@ -12,7 +12,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.presets import CAMERA_KINDS, camera_kind_values
 from terrainav.core.mission.sensors import shipped_sensors
-from terrainav.terrainav_plugin.form.mission_form import mission, mission_state
+from terrainav.terrainav_plugin.form.mission_form import FormError, mission, mission_state
 from terrainav.terrainav_plugin.form.presets import find_camera_kind
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.widgets import choose as choose_data
@@ -157,6 +157,13 @@ def test_a_short_message_takes_no_more_room_than_it_needs(desk, section):
         heights.append(message.height())
     assert heights[0] == heights[2] < heights[1] / 2
     desk.form.set_state(FormState())
+
+
+def test_a_lens_that_is_none_is_refused_at_the_entry_that_is_wrong():
+    for wrong, entry in (({"lens": "fisheye", "p1": 0.01}, "p1"), ({"k1": -0.9}, "k1")):
+        with pytest.raises(FormError) as refused:
+            mission(replace(mission_state(Mission(AREA, 100.0), ""), **wrong))
+        assert list(refused.value.messages) == [entry]
 
 
 def test_a_lens_is_kept_from_mission_to_mission(desk, section):
