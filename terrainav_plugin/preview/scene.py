@@ -38,8 +38,8 @@ MOST_DRAWN = 1000
 FEW = 100
 _DENSITY_MARGIN = 0.25
 #: Largest deviation of a footprint's curved edges from the rectangle around its corners, as a share of its size, for
-#: footprints of up to half a degree.
-_BULGE = 0.01
+#: footprints of up to half a degree; of lenses that distort, of which r + k1 r³ may be nearly r³.
+_BULGE, _BENT_BULGE = 0.01, 0.25
 
 
 class Drawing(NamedTuple):
@@ -229,7 +229,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
     corners = plan.corners
     lat, lon = corners.lat_deg, corners.lon_deg
     south, north, west, east = lat.min(axis=1), lat.max(axis=1), lon.min(axis=1), lon.max(axis=1)
-    margin = _BULGE * np.maximum(north - south, east - west)
+    margin = _bulge(plan) * np.maximum(north - south, east - west)
     south, north, west, east = south - margin, north + margin, west - margin, east + margin
     ample = np.flatnonzero(
         ~corners.hit.all(axis=1) | (plan.views.poles != 0) | (np.maximum(north - south, east - west) > 0.5)
@@ -247,6 +247,10 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
     return Rects.wrapped(x0, np.maximum(y0, MERCATOR.south), x1, np.minimum(y1, MERCATOR.north))
 
 
+def _bulge(plan: Plan) -> float:
+    return _BENT_BULGE if plan.mission.camera.distorts else _BULGE
+
+
 def _seen_in_crs(plan: Plan, windows: Rects) -> Rects:
     """Bounding rectangles as from `_seen`, in the CRS of the imagery; such camera frames do not show the horizon."""
     x, y = placed(plan.grid.plane, plan.corners.lon_deg, plan.corners.lat_deg)
@@ -255,7 +259,7 @@ def _seen_in_crs(plan: Plan, windows: Rects) -> Rects:
     south, north = np.fmin.reduce(y, axis=1, initial=np.inf), np.fmax.reduce(y, axis=1, initial=-np.inf)
     west, south = np.minimum(west, windows.west), np.minimum(south, windows.south)
     east, north = np.maximum(east, windows.east), np.maximum(north, windows.north)
-    margin = _BULGE * np.maximum(east - west, north - south)
+    margin = _bulge(plan) * np.maximum(east - west, north - south)
     return Rects(west - margin, south - margin, east + margin, north + margin, windows.world)
 
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pyproj import Transformer
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
@@ -146,3 +147,33 @@ def test_lines_keep_their_places_and_take_the_shorter_way(places):
     assert went == pytest.approx(float(np.abs(shorter).sum()), abs=1e-6)
     drawn = {(round(float(x), 9), round(float(y), 9)) for part in parts for x, y in zip(*part)}
     assert {(round(x, 9), round(y, 9)) for x, y in places} <= drawn
+
+
+def _straight_m(k1, seen):
+    """Where a ray meets the ground 100 m below that a lens with k1 shows at ``seen`` focal lengths from the middle."""
+    roots = np.roots([k1, 0.0, 1.0, -seen])
+    return 100.0 * min(root.real for root in roots if abs(root.imag) < 1e-9 and root.real > 0.0)
+
+
+@pytest.mark.parametrize(
+    ("camera", "ground_m"),
+    [
+        (Camera(150.0, 4.0 / 3.0, lens="fisheye"), lambda share: 100.0 * math.tan(share * math.radians(75.0))),
+        (Camera(60.0, 4.0 / 3.0, k1=-0.2), lambda share: _straight_m(-0.2, share * math.tan(math.radians(30.0)))),
+        (Camera(60.0, 4.0 / 3.0, k1=0.3), lambda share: _straight_m(0.3, share * math.tan(math.radians(30.0)))),
+    ],
+    ids=["fisheye", "barrel", "pincushion"],
+)
+def test_footprints_are_bent_as_the_lens_bends_them(camera, ground_m):
+    made = plan(Mission(Points(((35.15, -89.9, 100.0),)), 100.0, camera), GRID)
+    (((x, y),),) = pictures_m(made)
+    east, north = TO_MAP.transform(-89.9, 35.15)
+    bearing = np.degrees(np.arctan2(x - east, y - north))
+    far_m = np.hypot(x - east, y - north) * math.cos(math.radians(35.15))
+    order = np.argsort(bearing)
+    sides = np.interp([0.0, 90.0, 180.0, 270.0], bearing[order], far_m[order], period=360.0)
+    # Shares of half the diagonal; the map's scale is not that of a sphere by some thousandths.
+    assert sides == pytest.approx([ground_m(0.6), ground_m(0.8)] * 2, rel=5e-3)
+    assert far_m.max() == pytest.approx(ground_m(1.0), rel=5e-3)
+    (((lon, _),),) = footprints_deg(made)
+    assert len(lon) == len(x)
