@@ -1,8 +1,7 @@
 r"""What the reference program of EMVA 1288 finds in images of TerrAInav's sensor.
 
     python benchmarks/emva_peers.py capture flats
-    python -m venv peers && peers/bin/pip install emva1288==1.0.2 "numpy<2"
-    peers/bin/python benchmarks/emva_peers.py analyse flats
+    .venv/peers/bin/python benchmarks/emva_peers.py analyse flats      # the environment that tools/setup.sh makes
 
 The first command captures even rasters, white and black, with each of `SENSORS`: two images of each at 50 exposure
 times up to saturation, and 32 of each at half of it. The second gives the files to ``emva1288``, the program of the
@@ -140,6 +139,10 @@ def analyse(folder: Path) -> bool:
     """Compare what the program finds with what the sensors were given; return whether all is within `ALLOWED`."""
     import logging
 
+    import numpy as np
+
+    # It is written for numpy 1, which has this name.
+    np.asfarray = lambda values: np.asarray(values, float)  # noqa: NPY201
     from emva1288.process.data import Data1288
     from emva1288.process.loader import LoadImageData
     from emva1288.process.parser import ParseEmvaDescriptorFile

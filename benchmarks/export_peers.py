@@ -6,7 +6,8 @@ r"""What COLMAP and evo say of the exports of a dataset of camera frames.
     terrainav export out model --as colmap && terrainav export out tum --as tum && terrainav export out kitti --as kitti
     peers/bin/python benchmarks/export_peers.py out/satellite model tum kitti
 
-Lenses that distort: add --lens fisheye --k1 0.02, or --k1 -0.1 --p1 0.001, to the capture.
+Lenses that distort: add --lens fisheye --k1 0.02, or --k1 -0.1 --p1 0.001, to the capture. Without tum and kitti,
+COLMAP alone is asked, and .venv/peers will do.
 
 COLMAP finds and matches features of its own, and triangulates them with the exported poses held fixed. Prints the mean
 reprojection error in px and, over level ground, how far the points are from it.
@@ -20,7 +21,6 @@ from pathlib import Path
 
 import numpy as np
 import pycolmap
-from evo.tools import file_interface
 
 
 def triangulated(images: Path, model: Path, folder: Path) -> pycolmap.Reconstruction:
@@ -51,7 +51,7 @@ def triangulated(images: Path, model: Path, folder: Path) -> pycolmap.Reconstruc
 
 def main() -> None:
     """Print what they say."""
-    images, model, tum, kitti = map(Path, sys.argv[1:5])
+    images, model, *trajectories = map(Path, sys.argv[1:])
     with tempfile.TemporaryDirectory() as folder:
         found = triangulated(images, model, Path(folder))
     heights = np.array([point.xyz[2] for point in found.points3D.values()])
@@ -61,6 +61,14 @@ def main() -> None:
     print(
         f"heights: median {np.median(heights):.4f} m, half within {off[0]:.3f} m of it, 9 of 10 within {off[1]:.3f} m"
     )
+    if trajectories:
+        _say_trajectories(*trajectories)
+
+
+def _say_trajectories(tum: Path, kitti: Path) -> None:
+    """Print what evo reads."""
+    from evo.tools import file_interface
+
     trajectory = file_interface.read_tum_trajectory_file(tum / "trajectory.txt")
     print(f"evo: {trajectory.num_poses} poses, {trajectory.path_length:.1f} m")
     path = file_interface.read_kitti_poses_file(kitti / "poses.txt")

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -208,16 +209,20 @@ def on_real(folder: Path) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
 
 
 def main() -> None:
-    """Print the cells that differ, and those of them that touch no edge."""
+    """Print the cells that differ, and those of them that touch no edge, of which there must be none."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, help="folder with elevation/dsm.tif")
     asked = parser.parse_args()
     made = [on_cone(), on_world(), *([on_real(asked.data)] if asked.data else [])]
     print(f"{'':36} {'cells':>9} {'shadow':>8} {'differ':>8} {'off edges':>9}")
+    off_edges = 0
     for name, ours, theirs in (one for part in made for one in part):
         differ = ours != theirs
         apart = differ & ~edge_cells(theirs)
         print(f"{name:36} {ours.size:9,} {theirs.mean():8.2%} {differ.mean():8.3%} {apart.sum():9,}", flush=True)
+        off_edges += int(apart.sum())
+    if off_edges:
+        sys.exit("beyond the edges of shadows")
 
 
 if __name__ == "__main__":

@@ -20,6 +20,9 @@ if [[ -n $WANTED ]]; then
     # proj-bin: inside a virtual environment the distribution's pyproj finds its data by where the `proj` command is.
     PACKAGES+=(python3-venv libegl1 libimage-exiftool-perl proj-bin)
 fi
+if [[ $WANTED == tests ]]; then
+    PACKAGES+=(grass-core)  # whose shadows tests compare with
+fi
 STAMP=.venv/terrainav-setup-$WANTED
 
 say() { printf 'set-up: %s\n' "$*" >&2; }

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-_PYTHON = Path(__file__).parents[2] / ".venv" / "peers" / "bin" / "python"
+_ROOT = Path(__file__).parents[2]
+_PYTHON = _ROOT / ".venv" / "peers" / "bin" / "python"
+BENCHMARKS = _ROOT / "benchmarks"
 
 
 def told_by_peers(*arguments: str | os.PathLike[str]) -> str:
@@ -17,6 +20,15 @@ def told_by_peers(*arguments: str | os.PathLike[str]) -> str:
         if os.environ.get("CI") == "true":
             pytest.fail(f"{_PYTHON} is not there")
         pytest.skip(f"{_PYTHON} is not there; tools/setup.sh makes it")
-    run = subprocess.run([_PYTHON, *arguments], check=False, capture_output=True, text=True, timeout=600)
+    return _told(_PYTHON, *arguments)
+
+
+def told_by_benchmark(name: str, *arguments: str | os.PathLike[str]) -> str:
+    """Run a script of the folder ``benchmarks`` in this environment; return what it prints."""
+    return _told(sys.executable, BENCHMARKS / name, *arguments)
+
+
+def _told(*command: str | os.PathLike[str]) -> str:
+    run = subprocess.run(command, check=False, capture_output=True, text=True, timeout=1200)
     assert run.returncode == 0, run.stdout + run.stderr
     return run.stdout

@@ -1,48 +1,50 @@
-"""Datasets with every effect of a real camera, in COLMAP, readers of tags and the loaders."""
+"""Datasets with every effect of a real camera, and cameras that distort, in COLMAP, readers of tags and the loaders."""
 
 from __future__ import annotations
 
 import importlib.util
+import re
 import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
+from terrainav.core.cli import main
 
-from tests.support.peers import told_by_peers
+from tests.support.peers import BENCHMARKS, told_by_benchmark, told_by_peers
 
-SCRIPT = Path(__file__).parents[3] / "benchmarks" / "realism_peers.py"
+SCRIPT = "realism_peers.py"
 pytestmark = pytest.mark.thorough
 
 
 @pytest.fixture(scope="module")
 def everything(tmp_path_factory):
     folder = tmp_path_factory.mktemp("everything")
-    run("capture", folder)
+    told_by_benchmark(SCRIPT, "capture", folder)
     return folder
 
 
-def run(action: str, folder: Path) -> str:
-    command = [sys.executable, SCRIPT, action, folder]
-    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=1800)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
 def test_colmap_projects_points_to_their_pixels(everything):
-    told = told_by_peers(SCRIPT, "colmap", everything)
+    told = told_by_peers(BENCHMARKS / SCRIPT, "colmap", everything)
     assert [line.split(", ")[1] for line in told.splitlines()] == ["FULL_OPENCV"] * 2 + ["OPENCV_FISHEYE"] * 2
 
 
 def test_tags_are_the_tables_values(everything):
     if shutil.which("exiftool") is None:
         pytest.skip("exiftool (Debian: libimage-exiftool-perl) is not installed")
-    assert len(told_by_peers(SCRIPT, "tags", everything).splitlines()) == 3
+    assert len(told_by_peers(BENCHMARKS / SCRIPT, "tags", everything).splitlines()) == 3
 
 
 def test_loaders_give_images_and_random_values(everything):
     missing = [name for name in ("torch", "keras", "webdataset") if importlib.util.find_spec(name) is None]
     if missing:
         pytest.skip(f"{', '.join(missing)}: not installed")
-    assert len(run("loaders", everything).splitlines()) == 11
+    assert len(told_by_benchmark(SCRIPT, "loaders", everything).splitlines()) == 11
+
+
+@pytest.mark.parametrize("lens", ["", "--k1 -0.1 --p1 0.001"], ids=["ideal", "brown"])
+def test_colmap_triangulates_its_own_matches(tmp_path, lens):
+    out, model = tmp_path / "out", tmp_path / "model"
+    mission = "--coords 35.1450_-89.8620_35.1435_-89.8600_100 --frame camera --tilt 10 --yaw 20 --overlap 0.7"
+    assert main(["capture", *mission.split(), *lens.split(), "--format", "jpg", "--data-dir", str(out)]) == 0
+    assert main(["export", str(out), str(model), "--as", "colmap"]) == 0
+    told = told_by_peers(BENCHMARKS / "export_peers.py", out / "satellite", model)
+    assert float(re.search(r"reprojection error ([0-9.]+) px", told)[1]) < 0.35
