@@ -1,6 +1,6 @@
 r"""What other programs read from datasets that have every effect of a real camera.
 
-    python benchmarks/realism_peers.py capture everything      # two lenses, 6 images each, in about a minute
+    python benchmarks/realism_peers.py capture everything      # two lenses, 6 images each, in a minute or two
     python benchmarks/realism_peers.py loaders everything
     python -m venv peers && peers/bin/pip install pycolmap==4.2.1 piexif==1.1.3
     peers/bin/python benchmarks/realism_peers.py colmap everything
@@ -40,12 +40,14 @@ EVERYTHING = """
 --read-noise-e 2.1 --dark-current-e-per-s 2 --dsnu-e 1 --prnu 0.01 --bayer rggb --demosaicing malvar
 --red-scale 0.001 --blue-scale -0.001 --principal-x 0.02 --principal-y -0.015 --start 2024-06-21T15:00:00Z
 --vary white_balance_k=uniform(4500,7500) visibility_km=loguniform(2,20) exposure_ms=lognormal(2,0.3)within(1,4)
-tilt_deg=uniform(10,25) --keep-clean --format jpg --products raw points
+tilt_deg=uniform(10,25) --keep-clean --keep-undistorted --format jpg --products raw points
 """.split()
 LENSES = {
     "brown": "--k1 -0.2 --k2 0.05 --k3 -0.01 --p1 0.002 --p2 -0.001".split(),
     "fisheye": "--lens fisheye --k1 0.02 --k2 -0.01 --k3 0.002".split(),
 }
+#: Images of each capture whose cameras are compared.
+MAP_TYPES = "satellite", "satellite_undistorted"
 EXPECTED = "expected.npz"
 #: Columns of the table that loaders give: random values, and angles.
 RANDOM, POSE = ("white_balance_k", "visibility_km", "exposure_ms"), ("yaw_deg", "tilt_deg", "roll_deg")
@@ -54,6 +56,38 @@ RANDOM, POSE = ("white_balance_k", "visibility_km", "exposure_ms"), ("yaw_deg", 
 RAYS_PX, GROUND_PX, SIX_DIGITS_PX, SINGLE_PX, SHARE = 1e-6, 0.1, 1e-3, 2e-3, 1e-6
 #: Accuracy of positions that files state.
 ACCURACY_M = 0.01
+
+
+class ImageSet(NamedTuple):
+    """Images of one map type of a dataset."""
+
+    folder: Path
+    map_type: str
+
+    @property
+    def name(self) -> str:
+        """Name in what is printed."""
+        return f"{self.folder.name}, {self.map_type}"
+
+    @property
+    def exports(self) -> Path:
+        """Folder of exports and expected points."""
+        return self.folder / "exports" / self.map_type
+
+    def rows(self) -> dict[str, dict[str, str]]:
+        """Rows of the table, by image name."""
+        with (self.folder / self.map_type / "meta_data.csv").open(newline="") as opened:
+            return {row["img_names"]: row for row in csv.DictReader(opened)}
+
+    @property
+    def is_fisheye(self) -> bool:
+        """Whether the table states a fisheye."""
+        return next(iter(self.rows().values())).get("lens") == "fisheye"
+
+
+def image_sets(folder: Path) -> list[ImageSet]:
+    """Images of all lenses and map types."""
+    return [ImageSet(folder / lens, map_type) for lens in LENSES for map_type in MAP_TYPES]
 
 
 class Expected(NamedTuple):
@@ -65,7 +99,8 @@ class Expected(NamedTuple):
     ray_px, seen_m, ray_m : array (k, 2), (k, 3), (n, k, 3)
         Points on the pixels' rays, in the axes of the camera (right, down, view) and in the frame.
     ground_px, ground_m : array (j, 2), (n, j, 3)
-        Points on the ground, moved as the camera moves from the time of their row to that of the image.
+        Points on the ground, moved as the camera moves from the time of their row to that of the image; j is 0 for
+        undistorted images, of which there are no products.
     """
 
     names: Any
@@ -76,9 +111,9 @@ class Expected(NamedTuple):
     ground_m: Any
 
     @classmethod
-    def read(cls, folder: Path) -> Expected:
-        """Read those of a dataset."""
-        with np.load(folder / EXPECTED) as stored:
+    def read(cls, images: ImageSet) -> Expected:
+        """Read those of images."""
+        with np.load(images.exports / EXPECTED) as stored:
             return cls(*(stored[name] for name in cls._fields))
 
 
@@ -95,12 +130,6 @@ def same(what: str, found: object, given: object) -> None:
         sys.exit(f"{what}: {found!r}, and not {given!r}")
 
 
-def rows_of(folder: Path, map_type: str = "satellite") -> dict[str, dict[str, str]]:
-    """Rows of a table, by image name."""
-    with (folder / map_type / "meta_data.csv").open(newline="") as opened:
-        return {row["img_names"]: row for row in csv.DictReader(opened)}
-
-
 def capture(folder: Path) -> None:
     """Capture a dataset with each lens, export it, and write where its pixels look."""
     from terrainav.core.cli import main
@@ -110,65 +139,71 @@ def capture(folder: Path) -> None:
             sys.exit(f"terrainav {' '.join(arguments)}")
 
     for lens, options in LENSES.items():
-        out = folder / lens
-        run("capture", *EVERYTHING, *options, "--data-dir", str(out))
+        run("capture", *EVERYTHING, *options, "--data-dir", str(folder / lens))
+    for images in image_sets(folder):
         for kind in ("colmap", "nerfstudio"):
-            run("export", str(out), str(out / kind), "--as", kind)
-        np.savez(out / EXPECTED, **_expected(out)._asdict())
+            asked = "--as", kind, "--map-type", images.map_type
+            run("export", str(images.folder), str(images.exports / kind), *asked)
+        np.savez(images.exports / EXPECTED, **_expected(images)._asdict())
     shards = "--layout-of-files", "webdataset"
     run("capture", *EVERYTHING, *LENSES["brown"], *shards, "--data-dir", str(folder / "shards"))
 
 
-def _expected(folder: Path) -> Expected:
-    """Points of a dataset's pixels."""
-    from osgeo import gdal
+def _expected(images: ImageSet) -> Expected:
+    """Points of the images' pixels."""
     from terrainav.core.exports.views import Views
 
-    gdal.UseExceptions()
-    views = Views.read(folder)
-    width, height = int(views.width_px[0]), int(views.height_px[0])
+    views = Views.read(images.folder, images.map_type)
+    size = np.array([views.width_px[0], views.height_px[0]], float)
     rng = np.random.default_rng(1)
-    ray_px = rng.uniform(0.0, 1.0, (200, 2)) * (width, height)
-    halves = np.array([width, -height]) / 2.0
-    rays = views.camera.rays_enu((ray_px - np.array([width, height]) / 2.0) / halves)
+    ray_px = rng.uniform(0.0, 1.0, (200, 2)) * size
+    rays = views.camera.rays_enu((ray_px - size / 2.0) / (size / (2.0, -2.0)))
     # A camera that looks straight down with north at its top has its axes to the east, south and down.
     seen_m = rays * (1.0, -1.0, -1.0) * rng.uniform(5.0, 500.0, (200, 1))
     ray_m = np.einsum("nji,kj->nki", views.rotations, seen_m) + views.centres_m[:, np.newaxis]
+    ground = _ground(images, views) if images.map_type == "satellite" else (np.zeros((0, 2)), ray_m[:, :0])
+    return Expected(np.array(views.names), ray_px, seen_m, ray_m, *ground)
 
+
+def _ground(images: ImageSet, views: Any) -> tuple[Any, Any]:
+    """Every eighth pixel of the images, and the ground that it sees."""
+    from osgeo import gdal
+
+    gdal.UseExceptions()
+    width, height = int(views.width_px[0]), int(views.height_px[0])
     columns, rows = (at.ravel() for at in np.meshgrid(np.arange(4, width, 8), np.arange(4, height, 8)))
-    table, ground_m = rows_of(folder), np.empty((len(views), len(rows), 3))
+    table, ground_m = images.rows(), np.empty((len(views), len(rows), 3))
     for at, name in enumerate(views.names):
-        lon, lat, up = gdal.Open(str(folder / "points" / f"{Path(name).stem}.tif")).ReadAsArray()[:, rows, columns]
+        file = images.folder / "points" / f"{Path(name).stem}.tif"
+        lon, lat, up = gdal.Open(str(file)).ReadAsArray()[:, rows, columns]
         row = table[name]
         speed = np.array([float(row[f"speed_{axis}_m_per_s"]) for axis in ("east", "north", "up")])
         same("turn rates", [float(row[f"{angle}_rate_deg_per_s"]) for angle in ("yaw", "tilt", "roll")], [0.0] * 3)
         after_s = (rows + 0.5 - height / 2.0) * float(row["row_time_us"]) * 1e-6
         ground_m[at] = views.frame.enu(lat, lon, up) - after_s[:, np.newaxis] * speed
-    ground_px = np.stack([columns, rows], axis=1) + 0.5
-    return Expected(np.array(views.names), ray_px, seen_m, ray_m, ground_px, ground_m)
+    return np.stack([columns, rows], axis=1) + 0.5, ground_m
 
 
 def colmap(folder: Path) -> None:
-    """Project points by the model that COLMAP reads."""
+    """Project points by the models that COLMAP reads."""
     import pycolmap
 
-    for lens in LENSES:
-        expected = Expected.read(folder / lens)
-        model = pycolmap.Reconstruction(folder / lens / "colmap" / "sparse" / "0")
-        off = np.zeros((len(expected.names), 2))
-        images = {image.name: image for image in model.images.values()}
-        same("COLMAP, images", sorted(images), sorted(expected.names))
+    for images in image_sets(folder):
+        expected = Expected.read(images)
+        model = pycolmap.Reconstruction(images.exports / "colmap" / "sparse" / "0")
+        posed = {image.name: image for image in model.images.values()}
+        same(f"{images.name}, images", sorted(posed), sorted(expected.names))
+        off_rays, off_ground = [], []
         for at, name in enumerate(expected.names.tolist()):
-            image = images[name]
-            camera = model.cameras[image.camera_id]
-            for kind, (px, points_m) in enumerate(
-                ((expected.ray_px, expected.ray_m[at]), (expected.ground_px, expected.ground_m[at]))
-            ):
-                seen = camera.img_from_cam(image.cam_from_world() * points_m)
-                off[at, kind] = np.abs(seen - px)[~np.isnan(points_m[:, 0])].max()
-        what = f"COLMAP {pycolmap.__version__}, {camera.model.name}, {len(images)} images"
-        check(f"{what}, points on rays", off[:, 0].max(), RAYS_PX)
-        check(f"{what}, ground at the time of its row", off[:, 1].max(), GROUND_PX)
+            camera, pose = model.cameras[posed[name].camera_id], posed[name].cam_from_world()
+            off_rays.append(camera.img_from_cam(pose * expected.ray_m[at]) - expected.ray_px)
+            sees_ground = np.isfinite(expected.ground_m[at]).all(axis=1)
+            found = camera.img_from_cam(pose * expected.ground_m[at][sees_ground])
+            off_ground.append(found - expected.ground_px[sees_ground])
+        what = f"COLMAP {pycolmap.__version__}, {images.name}, {camera.model.name}, {len(posed)} images"
+        check(f"{what}, points on rays", np.abs(off_rays).max(), RAYS_PX)
+        if len(expected.ground_px):
+            check(f"{what}, ground at the time of its row", np.abs(np.concatenate(off_ground)).max(), GROUND_PX)
 
 
 def tags(folder: Path) -> None:
@@ -176,9 +211,9 @@ def tags(folder: Path) -> None:
     import piexif
 
     off: dict[str, float] = {}
-    for lens in LENSES:
-        table = rows_of(folder / lens)
-        files = [folder / lens / "satellite" / name for name in table]
+    for images in image_sets(folder):
+        table = images.rows()
+        files = [images.folder / images.map_type / name for name in table]
         command = ["exiftool", "-json", "-n", "-G1", *map(str, files)]
         read = json.loads(subprocess.run(command, check=True, capture_output=True, timeout=60).stdout)
         for file, row, found in zip(files, table.values(), read):
@@ -194,7 +229,7 @@ def tags(folder: Path) -> None:
             # Exposure and white balance are manual.
             same("ExposureMode", [settings[41986], found["ExifIFD:ExposureMode"]], [1, 1])
             same("WhiteBalance", [settings[41987], found["ExifIFD:WhiteBalance"]], [1, 1])
-            same("ModelType", found["XMP-Camera:ModelType"], "fisheye" if lens == "fisheye" else "perspective")
+            same("ModelType", found["XMP-Camera:ModelType"], "fisheye" if images.is_fisheye else "perspective")
     for name, share in off.items():
         check(f"piexif and ExifTool, {name}", share, SHARE, "of it")
 
@@ -208,10 +243,10 @@ def nerfstudio(folder: Path) -> None:
     import torch
     from nerfstudio.data.dataparsers.nerfstudio_dataparser import NerfstudioDataParserConfig
 
-    for lens in LENSES:
-        expected = Expected.read(folder / lens)
+    for images in image_sets(folder):
+        expected = Expected.read(images)
         told = NerfstudioDataParserConfig(
-            data=folder / lens / "nerfstudio",
+            data=images.exports / "nerfstudio",
             orientation_method="none",
             center_method="none",
             auto_scale_poses=False,
@@ -229,7 +264,7 @@ def nerfstudio(folder: Path) -> None:
             towards /= np.linalg.norm(towards, axis=1, keepdims=True)
             angle = np.linalg.norm(np.cross(rays.directions.double().numpy(), towards), axis=1)
             off = max(off, float((angle * parsed.cameras.fx[at].item()).max()))
-        check(f"nerfstudio, {lens}, {len(order)} images, points on rays", off, SINGLE_PX)
+        check(f"nerfstudio, {images.name}, {len(order)} images, points on rays", off, SINGLE_PX)
 
 
 def opendronemap(folder: Path, odm: Path, opensfm: Path) -> None:
@@ -240,14 +275,14 @@ def opendronemap(folder: Path, odm: Path, opensfm: Path) -> None:
     from opendm.photo import ODM_Photo
     from opensfm.io import cameras_from_json
 
-    for lens in LENSES:
-        images, expected = folder / lens / "satellite", Expected.read(folder / lens)
-        told = json.loads((images / "cameras.json").read_text())
+    for images in image_sets(folder):
+        photos, expected = images.folder / images.map_type, Expected.read(images)
+        told = json.loads((photos / "cameras.json").read_text())
         cameras = cameras_from_json(get_opensfm_camera_models(told))
-        places = GeoFile(str(images / "geo.txt"))
+        places = GeoFile(str(photos / "geo.txt"))
         off_px, off_exposure, off_place_m = np.zeros((3, len(expected.names)))
-        for at, (name, row) in enumerate(rows_of(folder / lens).items()):
-            photo = ODM_Photo(str(images / name))
+        for at, (name, row) in enumerate(images.rows().items()):
+            photo = ODM_Photo(str(photos / name))
             off_exposure[at] = _exposure_error(photo, row)
             photo.update_with_geo_entry(places.get_entry(name))
             off_place_m[at] = _place_error_m(photo, row)
@@ -256,7 +291,7 @@ def opendronemap(folder: Path, odm: Path, opensfm: Path) -> None:
             size = np.array([camera.width, camera.height])
             seen = camera.project_many(expected.seen_m) * size.max() + size / 2.0
             off_px[at] = np.abs(seen - expected.ray_px).max()
-        what = f"OpenDroneMap and OpenSfM, {camera.projection_type}, {len(off_px)} images"
+        what = f"OpenDroneMap and OpenSfM, {images.name}, {camera.projection_type}, {len(off_px)} images"
         check(f"{what}, points on rays", off_px.max(), SIX_DIGITS_PX)
         check(f"{what}, exposure time, f-number and ISO", off_exposure.max(), SHARE, "of them")
         check(f"{what}, positions", off_place_m.max(), ACCURACY_M, "m")
@@ -283,15 +318,15 @@ def loaders(folder: Path) -> None:
     from PIL import Image
 
     os.environ.setdefault("KERAS_BACKEND", "torch")
-    names = list(rows_of(folder / "brown"))
+    names = list(ImageSet(folder / "brown", "satellite").rows())
     # Clean images have no random values.
-    for kind, columns in (("satellite", RANDOM), ("satellite_clean", POSE)):
-        table = rows_of(folder / "brown", kind)
-        same("clean images", list(table), names)
-        targets = columns if kind == "satellite" else ("attitude",)
+    for kind, columns in (("satellite", RANDOM), ("satellite_clean", POSE), ("satellite_undistorted", RANDOM)):
+        table = ImageSet(folder / "brown", kind).rows()
+        same(f"{kind}, names", list(table), names)
+        targets = RANDOM if columns is RANDOM else ("attitude",)
         given = np.array([[row[name] for name in columns] for row in table.values()], np.float32)
         stored = np.stack([np.asarray(Image.open(folder / "brown" / kind / name)) for name in names])
-        # In shards, clean images are members of their image, and no map type of their own.
+        # In shards, twins are members of their image, and no map types of their own.
         for layout in ("brown", "shards") if kind == "satellite" else ("brown",):
             choice = {"map_type": kind, "part": "all", "shuffle": False, "dtype": "uint8", "targets": targets}
             for loader, batches in _all_batches(folder / layout, choice):

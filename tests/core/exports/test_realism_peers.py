@@ -24,7 +24,8 @@ def everything(tmp_path_factory):
 
 def test_colmap_projects_points_to_their_pixels(everything):
     told = told_by_peers(BENCHMARKS / SCRIPT, "colmap", everything)
-    assert [line.split(", ")[1] for line in told.splitlines()] == ["FULL_OPENCV"] * 2 + ["OPENCV_FISHEYE"] * 2
+    models = [line.split(", ")[3] for line in told.splitlines()]
+    assert models == ["FULL_OPENCV", "FULL_OPENCV", "PINHOLE", "OPENCV_FISHEYE", "OPENCV_FISHEYE", "PINHOLE"]
 
 
 def test_tags_are_the_tables_values(everything):
@@ -37,7 +38,7 @@ def test_loaders_give_images_and_random_values(everything):
     missing = [name for name in ("torch", "keras", "webdataset") if importlib.util.find_spec(name) is None]
     if missing:
         pytest.skip(f"{', '.join(missing)}: not installed")
-    assert len(told_by_benchmark(SCRIPT, "loaders", everything).splitlines()) == 11
+    assert len(told_by_benchmark(SCRIPT, "loaders", everything).splitlines()) == 15
 
 
 @pytest.mark.parametrize("lens", ["", "--k1 -0.1 --p1 0.001"], ids=["ideal", "brown"])
