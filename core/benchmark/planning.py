@@ -199,6 +199,13 @@ def plan_benchmark(
         would be in no part.
     """
     mission = settings.queries.replace(frame="camera")
+    if mission.varied.of_lens:
+        raise InvalidInput(
+            "vary {0!r}: benchmarks have one camera",
+            str(mission.varied.of_lens[0]),
+            field="vary",
+            remedy="choose other fields",
+        )
     if mission.camera.distorts:
         raise InvalidInput(
             "lens that distorts: benchmarks state only focal lengths, and need a lens without distortion",

@@ -104,7 +104,7 @@ def _centres(plan: Plan, index: Numbers) -> tuple[Floats, Floats]:
     """Latitude and wrapped longitude of the ground at image centres."""
     middle, poses = ((0.0, 0.0),), plan.poses.take(index)
     poses = poses._replace(lon_deg=wrap_lon_deg(poses.lon_deg))
-    seen, _ = plan.relief.seen(poses, plan.height_m[index], middle)
+    seen, _ = plan.relief.seen(plan.mission.camera, poses, plan.height_m[index], middle)
     return seen.lat_deg[:, 0], wrap_lon_deg(seen.lon_deg[:, 0])
 
 

@@ -45,7 +45,7 @@ def write_odm_files(folder: Path, plan: Plan, at: Numbers) -> None:
     """
     optics = plan_optics(plan, at)
     write_whole(folder / GEO_FILE, _geo_blocks(plan, at, optics))
-    write_whole(folder / CAMERAS_FILE, json_bytes(odm_cameras(plan, optics)))
+    write_whole(folder / CAMERAS_FILE, json_bytes(odm_cameras(plan, at, optics)))
 
 
 def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:
@@ -73,27 +73,31 @@ def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:
         yield "".join(lines).encode("utf-8")
 
 
-def odm_cameras(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
-    """Return cameras by the names that OpenDroneMap derives from an image's tags.
+def odm_cameras(plan: Plan, at: Numbers, optics: Optics) -> dict[str, dict[str, Any]]:
+    """Return cameras of captures (k,) by the names that OpenDroneMap derives from an image's tags.
 
     A name has the image's size and the focal length in image widths, cut to six characters, so images of one camera may
     have different names at other latitudes or if one is a pixel wider. The model is Brown's, which has focal lengths
     along rows and columns, or OpenCV's fisheye. Lengths are relative to the longer side, and midway between the
-    extremes of the images that share a name. Without cameras if the lens has coefficients that OpenDroneMap ignores.
+    extremes of the images that share a name. Without cameras if lenses have coefficients that OpenDroneMap ignores, or
+    if different lenses have one name.
     """
-    camera = plan.mission.camera
-    if any((camera.k4, camera.k5, camera.k6)):
-        return {}
-    body = camera_body(camera)
-    # OpenDroneMap's name for a fisheye.
-    projection = "fisheye_opencv" if body.lens == FISHEYE else body.lens
     found: dict[str, list[tuple[float, ...]]] = {}
-    for width, height, focal_x, focal_y in np.unique(np.stack(optics[:4], axis=1), axis=0).tolist():
-        ratio = FocalTags.from_lengths(body.focal_length_mm, focal_x, focal_y).ratio(int(width))
-        size = f"{int(width)} {int(height)}"
-        name = f"v2 {MAKE} {body.model} {size} {projection} {str(ratio)[:6]}".lower()
-        found.setdefault(name, []).append((width, height, focal_x, focal_y))
-    return {name: _camera(camera, np.array(found[name])) for name in sorted(found)}
+    lenses: dict[str, Camera] = {}
+    for camera, which in plan.cameras[at].groups():
+        if any((camera.k4, camera.k5, camera.k6)):
+            return {}
+        body = camera_body(camera)
+        # OpenDroneMap's name for a fisheye.
+        projection = "fisheye_opencv" if body.lens == FISHEYE else body.lens
+        for width, height, focal_x, focal_y in np.unique(np.stack(optics[:4], axis=1)[which], axis=0).tolist():
+            ratio = FocalTags.from_lengths(body.focal_length_mm, focal_x, focal_y).ratio(int(width))
+            size = f"{int(width)} {int(height)}"
+            name = f"v2 {MAKE} {body.model} {size} {projection} {str(ratio)[:6]}".lower()
+            if lenses.setdefault(name, camera) != camera:
+                return {}
+            found.setdefault(name, []).append((width, height, focal_x, focal_y))
+    return {name: _camera(lenses[name], np.array(found[name])) for name in sorted(found)}
 
 
 def _camera(camera: Camera, sizes_and_focals: NDArray[np.float64]) -> dict[str, Any]:

@@ -15,12 +15,13 @@ from ..dataset.entropy import entropy
 from ..dataset.folder import TABLE_FILE
 from ..dataset.table import Table
 from ..errors import Message, PartError
-from ..geodesy.camera import Camera, Poses
+from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
 from ..labels.label_map import LabelMap
 from ..map_types import CLEAN, UNDISTORTED, twin_type
 from ..mission.export.rows import clock
+from ..mission.lenses import CaptureCameras
 from ..mission.parts import CLASSES, INTERPOLATE, LABELLED, RAW
 from ..mission.plan import Plan
 from ..picture.effects import Development, Facts
@@ -313,7 +314,7 @@ def _effective_gsd_m(plan: Plan, index: int) -> float:
         source_m = pixel_m * grid.world_px(plan.zoom) / grid.world_px(min(plan.zoom, grid.native_zoom))
     else:
         lat, lon = np.asarray(plan.lat_deg[index]), np.asarray(plan.lon_deg[index])
-        pixel_m = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / float(plan.frames.width_px[index])
+        pixel_m = plan.camera(index).ground_size_m(float(plan.agl_m[index]))[0] / float(plan.frames.width_px[index])
         zoom = min(plan.frames.finest_zoom(plan), grid.native_zoom)
         source_m = float(grid.ground_m_per_px(lat, lon, zoom))
     if mission.output.img_size is not None:
@@ -323,7 +324,7 @@ def _effective_gsd_m(plan: Plan, index: int) -> float:
 
 def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
     """Metadata that only camera frames have."""
-    plan, camera = shot.plan, shot.plan.mission.camera
+    plan, camera = shot.plan, shot.plan.camera(shot.index)
     return (
         ("FRAME", "camera"),
         ("FOV_DEG", repr(degrees(camera.fov_deg))),
@@ -402,8 +403,7 @@ def image_table(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> 
         "status": tuple(row.status for row in rows),
         "reason": tuple(row.reason for row in rows),
     }
-    lens = _lens_columns(plan.mission.camera, len(at))
-    return Table.from_columns(known, {**lens, **_fact_columns(rows)})
+    return Table.from_columns(known, {**_lens_columns(plan.cameras, at), **_fact_columns(rows)})
 
 
 def write_tables(
@@ -447,11 +447,13 @@ def _fact_columns(rows: Sequence[Outcome]) -> dict[str, tuple[str, ...]]:
     return {header: tuple(stated_fact(facts.get(header, "")) for facts in stated) for header in headers}
 
 
-def _lens_columns(camera: Camera, count: int) -> dict[str, tuple[str, ...]]:
-    """Columns of the lens by header, as OpenCV defines its coefficients; none for a lens without distortion."""
-    if not camera.distorts:
+def _lens_columns(cameras: CaptureCameras, at: NDArray[np.int64]) -> dict[str, tuple[str, ...]]:
+    """Columns of lenses by header, as OpenCV defines their coefficients; none for lenses without distortion."""
+    if not any(one.distorts for one in cameras.distinct):
         return {}
-    return {name: (str(value),) * count for name, value in {"lens": camera.lens, **camera.coefficients}.items()}
+    lenses = [cameras.of(index) for index in at.tolist()]
+    stated = [{"lens": one.lens, **one.coefficients} for one in lenses]
+    return {name: tuple(str(one[name]) for one in stated) for name in ("lens", *cameras.distinct[0].coefficients)}
 
 
 def _shard_columns(rows: Sequence[Outcome]) -> dict[str, Any]:

@@ -50,25 +50,25 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
 def colmap(views: Views, _: Path) -> dict[str, str]:
     """COLMAP model as text in ``sparse/0``: cameras and images, without points.
 
-    Poses transform world to camera coordinates, with OpenCV's axes. There is one camera for each image size. The model
-    is that of the lens: PINHOLE, OPENCV, FULL_OPENCV or OPENCV_FISHEYE.
+    Poses transform world to camera coordinates, with OpenCV's axes. There is one camera for each image size and lens.
+    The model is that of the lens: PINHOLE, OPENCV, FULL_OPENCV or OPENCV_FISHEYE.
     """
-    sizes: dict[tuple[float, ...], int] = {}
-    model, parameters = _colmap_lens(views.camera)
+    found: dict[tuple[str, tuple[float, ...]], int] = {}
     lines = []
     quaternions = quaternions_from_matrices(views.rotations)
     # Numbered in the order of names, as in COLMAP's database.
     for number, at in enumerate(np.argsort(views.names, kind="stable").tolist(), 1):
         name = views.names[at]
-        size = tuple(float(one[at]) for one in (views.width_px, views.height_px, *views.pinholes))
-        camera = sizes.setdefault(size, len(sizes) + 1)
+        model, distortion = _colmap_lens(views.cameras.of(at))
+        pinhole = (float(one[at]) for one in (views.width_px, views.height_px, *views.pinholes))
+        camera = found.setdefault((model, (*pinhole, *distortion)), len(found) + 1)
         shift = -views.rotations[at] @ views.centres_m[at]
         numbers = " ".join(repr(float(one)) for one in (*quaternions[at], *shift))
         # Each image has a second line, for points, which is empty.
         lines.append(f"{number} {numbers} {camera} {name}\n\n")
     cameras = [
-        f"{number} {model} {width:.0f} {height:.0f} {' '.join(repr(one) for one in (*pinhole, *parameters))}\n"
-        for (width, height, *pinhole), number in sizes.items()
+        f"{number} {model} {width:.0f} {height:.0f} {' '.join(map(repr, parameters))}\n"
+        for (model, (width, height, *parameters)), number in found.items()
     ]
     return {
         "sparse/0/cameras.txt": "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY, then distortion\n" + "".join(cameras),
@@ -93,16 +93,6 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
     Motion that blurs or skews images is stated as "Gaussian Splatting on the Move" (Seiskari et al. 2024) reads it:
     seconds of the exposure and of reading all rows, velocities and turn rates along and about the camera's axes.
     """
-    camera = views.camera
-    names = ("k1", "k2", "k3", "k4") if camera.lens == FISHEYE else ("k1", "k2", "k3", "p1", "p2")
-    if camera.lens == PERSPECTIVE and any((camera.k4, camera.k5, camera.k6)):
-        raise InvalidInput(
-            "lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has",
-            camera.k4,
-            camera.k5,
-            camera.k6,
-            field="k4",
-        )
     # From OpenCV's camera axes (right, down, view) to OpenGL's (right, up, back).
     opengl = np.diag([1.0, -1.0, -1.0])
     motion, times = _nerfstudio_motion(views, opengl)
@@ -120,15 +110,31 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
                 "fl_y": float(views.fy_px[at]),
                 "cx": float(views.cx_px[at]),
                 "cy": float(views.cy_px[at]),
+                **(_nerfstudio_lens(views.cameras.of(at)) if views.cameras.vary else {}),
                 "transform_matrix": pose.tolist(),
                 **{name: values[at] for name, values in motion.items()},
             }
         )
-    # Nerfstudio takes k3 for 0 unless it is given.
-    distortion = {name: getattr(camera, name) for name in names if name != "k3" or camera.k3}
-    model = "OPENCV_FISHEYE" if camera.lens == FISHEYE else "OPENCV"
-    document = {"camera_model": model, **distortion, **times, "frames": frames}
+    model = "OPENCV_FISHEYE" if views.cameras.of(0).lens == FISHEYE else "OPENCV"
+    # What stands here holds for all frames, whatever they state.
+    lens = {} if views.cameras.vary else _nerfstudio_lens(views.cameras.of(0))
+    document = {"camera_model": model, **lens, **times, "frames": frames}
     return {"transforms.json": json.dumps(document, indent=1) + "\n"}
+
+
+def _nerfstudio_lens(camera: Camera) -> dict[str, float]:
+    """Nerfstudio's coefficients of a lens."""
+    if camera.lens == PERSPECTIVE and any((camera.k4, camera.k5, camera.k6)):
+        raise InvalidInput(
+            "lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has",
+            camera.k4,
+            camera.k5,
+            camera.k6,
+            field="k4",
+        )
+    names = ("k1", "k2", "k3", "k4") if camera.lens == FISHEYE else ("k1", "k2", "k3", "p1", "p2")
+    # Nerfstudio takes k3 for 0 unless it is given.
+    return {name: getattr(camera, name) for name in names if name != "k3" or camera.k3}
 
 
 def _nerfstudio_motion(views: Views, opengl: Floats) -> tuple[dict[str, list[Any]], dict[str, float]]:

@@ -237,8 +237,10 @@ def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column
     found = {}
     path = images.folder.parent / MISSION_FILE
     if is_file(path):
-        across = 2.0 * Mission.load(path).camera.half_tangents[0]
-        found[_GSD] = table.agl_m * across / table.image_width_px
+        mission = Mission.load(path)
+        across = 2.0 * mission.camera.half_tangents[0]
+        varies = any(one.field == "fov_deg" for one in mission.varied.of_lens)
+        found[_GSD] = table.agl_m / table.fx_px if varies else table.agl_m * across / table.image_width_px
     if is_camera:
         *_, axis = image_axes(table.yaw_deg, table.tilt_deg, table.roll_deg)
         off_nadir = np.degrees(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), -axis[:, 2]))

@@ -17,9 +17,10 @@ from ..dataset.ground import are_camera_frames, check_poses
 from ..dataset.labels import middle_position
 from ..dataset.table import Table, unix_seconds, usable_rows
 from ..errors import InvalidInput, Message, OptionName
-from ..geodesy.camera import Camera, Poses, image_axes
+from ..geodesy.camera import Poses, image_axes
 from ..geodesy.local import LocalFrame
 from ..mission.flight.rates import Rates
+from ..mission.lenses import CaptureCameras
 from ..mission.mission import Mission
 from ..mission.takes import RATE_COLUMNS
 
@@ -69,8 +70,8 @@ class Views:
         Folder of the images.
     names : tuple of str
         File names.
-    camera : Camera
-        Camera of all images, whose lens may distort.
+    cameras : CaptureCameras
+        Cameras of the images, whose lenses may distort.
     width_px, height_px, fx_px, fy_px, cx_px, cy_px : array (n,)
         Sizes, focal lengths and principal points; (0.5, 0.5) is the centre of the first pixel.
     lat_deg, lon_deg, height_m : array (n,)
@@ -85,7 +86,7 @@ class Views:
 
     folder: Path
     names: tuple[str, ...]
-    camera: Camera
+    cameras: CaptureCameras
     width_px: Numbers
     height_px: Numbers
     fx_px: Floats
@@ -170,18 +171,20 @@ class Views:
         level = table.agl_m[rows] + mission.flight.ground_height_m
         times = unix_seconds([table.time_utc[row] for row in rows.tolist()])
         width, height = (size[rows] for size in (table.image_width_px, table.image_height_px))
-        camera = mission.camera_of(images.map_type)
-        tan_x, tan_y = camera.half_tangents
+        cameras = CaptureCameras.drawn(mission, table.columns[rows], table.rows[rows], images.map_type)
+        tan_x, tan_y, right, down = cameras.each(
+            lambda camera: (*camera.half_tangents, camera.principal_x, camera.principal_y)
+        )
         return cls(
             images.image_folder,
             tuple(table.img_names[row] for row in rows.tolist()),
-            camera,
+            cameras,
             width.astype(np.int64),
             height.astype(np.int64),
             width / 2.0 / tan_x,
             height / 2.0 / tan_y,
-            width * (0.5 + camera.principal_x),
-            height * (0.5 + camera.principal_y),
+            width * (0.5 + right),
+            height * (0.5 + down),
             table.pose_lat_deg[rows],
             table.pose_lon_deg[rows],
             np.where(np.isnan(heights), level, heights),

@@ -243,8 +243,8 @@ def corner_angles(scene: ImageGeometry) -> tuple[Floats, Floats]:
     leans = scene.poses.tilt_deg, scene.poses.roll_deg
     if not any(any(angle.strides) for angle in leans):
         leans = leans[0][:1], leans[1][:1]
-    points = scene.camera.extremes.image_xy
-    rays = scene.camera.rays_enu(points, 0.0, *leans)
+    points = scene.camera.extremes.ideal_xy
+    rays = scene.camera.ideal_rays_enu(points, 0.0, *leans)
     squared = np.sum(rays * rays, axis=-1)
     shape = len(scene.poses.tilt_deg), len(points)
     return np.broadcast_to(-rays[..., 2] / np.sqrt(squared), shape), np.broadcast_to(squared, shape)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,7 +39,7 @@ class Camera(Lens):
                 raise InvalidInput("{0} {1:g}: a fisheye has k1 to k4 only", name, getattr(self, name), field=name)
             _ = self._distortion
 
-    @property
+    @cached_property
     def _distortion(self) -> PerspectiveLens | FisheyeLens:
         """Distortion in focal lengths about the principal point."""
         k = (self.k1, self.k2, self.k3, self.k4, self.k5, self.k6)
@@ -97,7 +97,7 @@ class Camera(Lens):
         plain = replace(self, red_scale=0.0, blue_scale=0.0)
         return plain.enlarged(1.0 + scale) if scale else plain
 
-    @property
+    @cached_property
     def extremes(self) -> Extremes:
         """Image points where rays and the scale of the image may be extreme: the corners of an ideal camera."""
         return _extremes(self) if self.distorts else _IDEAL_EXTREMES
@@ -217,7 +217,8 @@ class Extremes(NamedTuple):
 
     Attributes
     ----------
-    image_xy : array (n, 2)
+    image_xy, ideal_xy : array (n, 2)
+        The points, and those of the ideal image that they show.
     least_scale, greatest_scale : array (n,)
         Least and greatest pixels of the image for one of the ideal image there, in any direction.
     tangent : float
@@ -225,12 +226,13 @@ class Extremes(NamedTuple):
     """
 
     image_xy: Floats
+    ideal_xy: Floats
     least_scale: Floats
     greatest_scale: Floats
     tangent: float
 
 
-_IDEAL_EXTREMES = Extremes(np.array(CORNERS), np.ones(len(CORNERS)), np.ones(len(CORNERS)), math.nan)
+_IDEAL_EXTREMES = Extremes(np.array(CORNERS), np.array(CORNERS), np.ones(len(CORNERS)), np.ones(len(CORNERS)), math.nan)
 
 
 def _border(points: int) -> Floats:
@@ -240,7 +242,6 @@ def _border(points: int) -> Floats:
     return np.concatenate(sides)
 
 
-@lru_cache(maxsize=256)
 def _extremes(camera: Camera) -> Extremes:
     inner = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 3)] * 2), axis=-1).reshape(-1, 2)
     points = np.concatenate([_border(8), inner])
@@ -248,7 +249,7 @@ def _extremes(camera: Camera) -> Extremes:
     # Pixels are square.
     slopes = camera.seen_slopes(ideal) * np.array([[1.0, camera.aspect_ratio], [1.0 / camera.aspect_ratio, 1.0]])
     scales = np.linalg.svd(slopes, compute_uv=False)
-    return Extremes(points, scales[:, 1], scales[:, 0], float(np.hypot(*(ideal * camera.half_tangents).T).max()))
+    return Extremes(points, ideal, scales[:, 1], scales[:, 0], float(np.hypot(*(ideal * camera.half_tangents).T).max()))
 
 
 def _in_focal_lengths(image_xy: Floats, half_tangents: tuple[float, float]) -> tuple[Floats, Floats]:

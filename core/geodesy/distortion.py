@@ -22,6 +22,8 @@ _CLOSE, _NOISE = 1e-13, 1e-12
 _BATCH = 1 << 13
 #: Azimuths about the optical axis at which a lens is examined.
 _AZIMUTHS = 64
+#: Radii examined at a time, and halvings of a bisection done at a time.
+_TOGETHER, _HALVINGS = 64, 5
 #: Largest angle off the axis that an ideal picture shows, radians.
 _WIDEST = math.radians(89.9)
 #: Angle that is given to points outside the picture whose rays do not lead ahead, radians.
@@ -99,7 +101,7 @@ class PerspectiveLens:
         reach = float(np.hypot(*border.T).max())
         covers, fold = _examined(model, reach)
         if math.isinf(covers):
-            raise _folded(float(_radii(model, fold).max()), reach)
+            raise _folded(float(_radii(model, np.array([fold])).max()), reach)
         whole = cls(model, covers)
         edge = float(np.hypot(*whole.ideal(*border.T)).max())
         # Half of the way to the fold, so that the inverse is smooth in the picture and around it.
@@ -191,46 +193,66 @@ def _examined(model: BrownConrady, reach: float) -> tuple[float, float]:
     """Radius of directions whose points surround a radius of the picture, and that of the first fold; else infinite."""
     folded = covers = math.inf
     radius, step = 0.0, min(reach, 1.0) / 64.0
-    while radius < math.tan(_WIDEST):
-        radius += step
-        if _folds(model, radius):
-            low, high = radius - step, radius
-            for _ in range(60):
-                middle = (low + high) / 2.0
-                low, high = (low, middle) if _folds(model, middle) else (middle, high)
-            folded = low
-            break
-        if math.isinf(covers) and float(_radii(model, radius).min()) >= reach:
-            covers = radius
-        if radius > 4.0 * covers:
-            break
-        step = max(step, radius / 256.0)
+    while math.isinf(folded) and radius < math.tan(_WIDEST) and radius <= 4.0 * covers:
+        some: list[tuple[float, float]] = []
+        while len(some) < _TOGETHER and radius < math.tan(_WIDEST):
+            radius += step
+            some.append((radius - step, radius))
+            step = max(step, radius / 256.0)
+        radii = np.array([high for _, high in some])
+        folds, surrounds = _folds(model, radii), _radii(model, radii).min(axis=1) >= reach
+        for (low, radius), is_folded, is_around in zip(some, folds.tolist(), surrounds.tolist()):
+            if is_folded:
+                folded = _first_fold(model, low, radius)
+                break
+            if math.isinf(covers) and is_around:
+                covers = radius
+            if radius > 4.0 * covers:
+                break
     last = min(folded, radius)
-    if math.isinf(covers) and float(_radii(model, last).min()) >= reach:
+    if math.isinf(covers) and float(_radii(model, np.array([last])).min()) >= reach:
         covers = last
     return covers, last if math.isinf(covers) else folded
 
 
-def _circle(radius: float) -> tuple[Floats, Floats]:
+def _first_fold(model: BrownConrady, low: float, high: float) -> float:
+    """Radius of directions up to which nothing folds, by bisection between one that does not and one that does."""
+    for _ in range(60 // _HALVINGS):
+        # The middles of all halves that may come next, from the whole to the smallest, are examined together.
+        halves = [(low, high)]
+        for at in range((1 << _HALVINGS) - 1):
+            left, right = halves[at]
+            middle = (left + right) / 2.0
+            halves += [(left, middle), (middle, right)]
+        folds, at = _folds(model, np.array([sum(one) / 2.0 for one in halves[: (1 << _HALVINGS) - 1]])), 0
+        for _ in range(_HALVINGS):
+            at = 2 * at + (1 if folds[at] else 2)
+        low, high = halves[at]
+    return low
+
+
+def _circles(radii: Floats) -> tuple[Floats, Floats]:
+    """Directions around the axis at radii (n,), (n, azimuths) each."""
     turn = np.arange(_AZIMUTHS) * (2.0 * np.pi / _AZIMUTHS)
-    return radius * np.cos(turn), radius * np.sin(turn)
+    return radii[:, np.newaxis] * np.cos(turn), radii[:, np.newaxis] * np.sin(turn)
 
 
-def _radii(model: BrownConrady, radius: float) -> Floats:
-    """Distances from the principal point of points at a radius of directions."""
-    found: Floats = np.hypot(*model.seen(*_circle(radius)))
+def _radii(model: BrownConrady, radii: Floats) -> Floats:
+    """Distances from the principal point of points at radii of directions (n,), (n, azimuths)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found: Floats = np.hypot(*model.seen(*_circles(radii)))
     return found
 
 
-def _folds(model: BrownConrady, radius: float) -> bool:
-    """Whether points stop moving outward, or are mirrored, at a radius of directions."""
-    x, y = _circle(radius)
-    if not model.whole(x, y).all():
-        return True
-    xx, xy, yx, yy = model.slopes(x, y)
-    seen_x, seen_y = model.seen(x, y)
-    outward = (xx * x + xy * y) * seen_x + (yx * x + yy * y) * seen_y
-    return bool((outward <= 0.0).any() or (xx * yy - xy * yx <= 0.0).any())
+def _folds(model: BrownConrady, radii: Floats) -> Flags:
+    """Whether points stop moving outward, or are mirrored, at radii of directions (n,)."""
+    x, y = _circles(radii)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        xx, xy, yx, yy = model.slopes(x, y)
+        seen_x, seen_y = model.seen(x, y)
+        outward = (xx * x + xy * y) * seen_x + (yx * x + yy * y) * seen_y
+        folds = ~model.whole(x, y) | (outward <= 0.0) | (xx * yy - xy * yx <= 0.0)
+    return np.asarray(folds.any(axis=1))
 
 
 def _folded(fold: float, reach: float) -> InvalidInput:

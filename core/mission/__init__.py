@@ -10,6 +10,7 @@ In reading order:
 - `sensors`: image sensors by name, with the figures of their data sheets
 - `imageries`: named combinations of source, date and map type
 - `mission`: the mission, one value made of parts, to and from JSON
+- `lenses`: cameras of captures, whose lenses may vary
 - `sunlight`: the sun of a mission
 - `presets`: starting values for mapping, navigation and machine learning
 - `options`: options of the command

@@ -494,7 +494,7 @@ def _polygon_count(plan: Plan) -> int:
 
 
 def _relief_figures(plan: Plan) -> dict[str, Any]:
-    found = plan.relief.figures(plan.poses, plan.flown, plan.corners)
+    found = plan.relief.figures(plan.cameras, plan.poses, plan.flown, plan.corners)
     if found is None:
         return {"level_ground_m": plan.level_m} if plan.mission.terrain.elevation else {}
     filled, interpolated, count = found.filled

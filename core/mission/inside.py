@@ -12,6 +12,7 @@ from ..geodesy.footprint import Corners, exact
 from ..geodesy.mercator import PixelGrid, wrap_lon_deg
 from .areas.area import Points
 from .layout.coverage import twice_area
+from .lenses import Which
 from .mission import Mission
 from .plan import Plan
 
@@ -64,18 +65,22 @@ def poses_inside(grid: PixelGrid, camera: Camera, poses: Poses, image_px: int, g
 
 def captures_inside(plan: Plan, grid: PixelGrid) -> Flags:
     """Which captures (n,) of a plan see only ground that a grid, the plan's or another, has imagery of."""
-    camera = plan.mission.camera
     image_px = int(max(plan.frames.width_px.max(), plan.frames.height_px.max()))
-    if plan.relief.is_level:
-        return poses_inside(grid, camera, plan.poses, image_px, plan.ground)
-    rim, poses = _rim(camera, image_px), plan.poses
-    found = []
-    for at in range(0, len(plan), _BATCH):
-        some = slice(at, at + _BATCH)
-        batch = poses.take(some)
-        seen, _ = plan.relief.seen(batch._replace(lon_deg=wrap_lon_deg(batch.lon_deg)), plan.height_m[some], rim)
-        found.append(on_imagery(grid, seen))
-    return np.concatenate(found)
+
+    def inside(camera: Camera, which: Which) -> tuple[Flags]:
+        poses, height_m = plan.poses.take(which), plan.height_m[which]
+        if plan.relief.is_level:
+            return (poses_inside(grid, camera, poses, image_px, plan.ground),)
+        rim, found = _rim(camera, image_px), []
+        for at in range(0, len(height_m), _BATCH):
+            some = slice(at, at + _BATCH)
+            batch = poses.take(some)
+            batch = batch._replace(lon_deg=wrap_lon_deg(batch.lon_deg))
+            found.append(on_imagery(grid, plan.relief.seen(camera, batch, height_m[some], rim)[0]))
+        return (np.concatenate(found),)
+
+    (found,) = plan.cameras.together(inside)
+    return found
 
 
 def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -12,6 +13,7 @@ from ..errors import InvalidInput, Message, OptionName
 from ..geodesy import accuracy
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import Poses
+from ..geodesy.ellipsoid import Ellipsoid
 from ..geodesy.frames import plane_frame_px, plane_runs
 from ..geodesy.mercator import MERCATOR, PixelGrid, Plane
 from ..geodesy.view import ImageRays, mesh_serves
@@ -271,11 +273,11 @@ def choose_methods(
                 # Camera frames have other limits.
                 outside = wrong.message
         if not outside:
-            scene = _resolved(image_geometry(mission, flown, grid))
+            (scene,) = scenes = _resolved(image_geometries(flown, grid, ground_ellipsoid(mission)))
             found, footprint = map_frame(scene, plane=grid.plane), exact_footprint(scene)
             fits = found.bound_px + footprint.bound_px <= mission.accuracy.error_budget_px
             if fits or mission.accuracy.frame == "map" or no_camera_frame:
-                return flown, _gather(mission, grid, scene, Choice(footprint), Choice(found), None)
+                return flown, _gather(mission, grid, scenes, Choice(footprint), Choice(found), None)
             reason = _rejection(found.bound_px, footprint.bound_px, mission.accuracy.error_budget_px)
         elif mission.accuracy.frame == "map":
             raise InvalidInput("image 'map' was asked for, but has no bound here: {0}", outside, field="frame")
@@ -298,15 +300,16 @@ def camera_methods(
 ) -> ChosenMethods:
     """Methods of camera frames, and the choice that was rejected for them; raises InvalidInput as `choose_methods`."""
     check_windows(flown, mission, grid)
-    scene = _resolved(image_geometry(mission, flown, grid))
-    found, footprint = camera_frame(scene), exact_footprint(scene)
+    scenes = _resolved(image_geometries(flown, grid, ground_ellipsoid(mission)))
+    found, footprint = _worst(map(camera_frame, scenes)), _worst(map(exact_footprint, scenes))
     picture = Choice(found) if rejected is None else Choice(found, rejected.rejected, rejected.reason)
     others_px = found.bound_px + footprint.bound_px
     if relief.is_level:
-        pixels = choose_pixels(mission, scene, others_px)
+        pixels = choose_pixels(mission, scenes, others_px)
     else:
-        pixels = Choice(relief_rays(scene, _remaining_px(mission, others_px)))
-    made = _gather(mission, grid, scene, Choice(footprint), picture, pixels)
+        left_px = _remaining_px(mission, others_px)
+        pixels = Choice(_worst(relief_rays(scene, left_px) for scene in scenes))
+    made = _gather(mission, grid, scenes, Choice(footprint), picture, pixels)
     return replace(made, relief=relief.text())
 
 
@@ -314,6 +317,8 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
     """Reason why a mission cannot have map frames whatever its budget; empty where it may."""
     if not mission.camera.is_ideal:
         return Message("the lens distorts images, which windows of a map do not")
+    if mission.varied.of_lens:
+        return Message("each image has a lens of its own, which windows of a map do not")
     if not relief.is_level:
         return Message(
             "the ground is from {0:.1f} to {1:.1f} m high, and seen from aside",
@@ -341,12 +346,12 @@ def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
     return not grid.plane.wraps or mission.flight.facing != NORTH
 
 
-def choose_pixels(mission: Mission, scene: ImageGeometry, others_px: float) -> Choice:
+def choose_pixels(mission: Mission, scenes: Sequence[ImageGeometry], others_px: float) -> Choice:
     """Choose a mesh that fits the budget less ``others_px``, the bounds of the other stages, or one ray per pixel."""
     if mission.accuracy.mesh == RAYS:
         return Choice(TRACED)
     left_px = _remaining_px(mission, others_px)
-    found = mesh(scene, left_px)
+    found = _worst(mesh(scene, left_px) for scene in scenes)
     if found.bound_px <= left_px:
         return Choice(found)
     return Choice(TRACED, found, _rejection(found.bound_px, others_px, mission.accuracy.error_budget_px))
@@ -357,16 +362,30 @@ def _remaining_px(mission: Mission, others_px: float) -> float:
     return mission.accuracy.error_budget_px * (1.0 - 1e-12) - others_px
 
 
-def image_geometry(mission: Mission, flown: Framed, grid: PixelGrid) -> ImageGeometry:
-    """Geometry that the bounds of a framed mission depend on: one pose for each run of poses that share it."""
-    first, _ = flown.frames.runs(plane_runs(grid, flown.poses))
-    width, height = flown.frames.scene_sizes_px(flown.windows, first)
-    return ImageGeometry(mission.camera, width, height, flown.poses.take(first), ground_ellipsoid(mission))
+def image_geometries(flown: Framed, grid: PixelGrid, ground: Ellipsoid) -> tuple[ImageGeometry, ...]:
+    """Geometries that the bounds of a framed mission depend on, one for each camera.
+
+    Of poses that differ in longitude only, there is one.
+    """
+    first = np.arange(len(flown.poses.lat_deg))
+    if not flown.cameras.vary:
+        first, _ = flown.frames.runs(plane_runs(grid, flown.poses))
+    (width, height), poses = flown.frames.scene_sizes_px(flown.windows, first), flown.poses.take(first)
+    return tuple(
+        ImageGeometry(camera, width[which], height[which], poses.take(which), ground)
+        for camera, which in flown.cameras.groups()
+    )
 
 
-def _resolved(scene: ImageGeometry) -> ImageGeometry:
-    """Return the scene if float64 resolves its pixels, else raise InvalidInput."""
-    finest = float(np.min(accuracy.finest_px_m(scene)))
+def _worst(methods: Iterable[Method]) -> Method:
+    """A method with the greatest bounds of several scenes."""
+    each = list(methods)
+    return replace(each[0], bound_px=max(one.bound_px for one in each), bound_m=max(one.bound_m for one in each))
+
+
+def _resolved(scenes: tuple[ImageGeometry, ...]) -> tuple[ImageGeometry, ...]:
+    """Return the scenes if float64 resolves their pixels, else raise InvalidInput."""
+    finest = min(float(np.min(accuracy.finest_px_m(scene))) for scene in scenes)
     if finest < accuracy.RESOLVED_M:
         raise InvalidInput(
             "pixels of {0:.2g} m on the ground: degrees in float64 resolve {1:g} m",
@@ -375,7 +394,7 @@ def _resolved(scene: ImageGeometry) -> ImageGeometry:
             field="agl_m",
             remedy="fly higher or widen the field of view",
         )
-    return scene
+    return scenes
 
 
 def _extreme_geometry(mission: Mission) -> ImageGeometry:
@@ -403,7 +422,7 @@ def _extreme_geometry(mission: Mission) -> ImageGeometry:
 def _gather(
     mission: Mission,
     grid: PixelGrid,
-    scene: ImageGeometry,
+    scenes: Sequence[ImageGeometry],
     footprint: Choice,
     picture: Choice,
     pixels: Choice | None,
@@ -414,9 +433,9 @@ def _gather(
         footprint=footprint,
         picture=picture,
         pixels=pixels,
-        condition=accuracy.condition_number(scene, on_mercator=grid.plane.wraps),
-        terrain_px_per_m=accuracy.terrain_px_per_m(scene),
-        left_out=tuple(_left_out(mission, scene, picture.method, pixels)),
+        condition=max(accuracy.condition_number(scene, on_mercator=grid.plane.wraps) for scene in scenes),
+        terrain_px_per_m=max(map(accuracy.terrain_px_per_m, scenes)),
+        left_out=tuple(_left_out(mission, scenes[0], picture.method, pixels)),
     )
     budget, total = made.budget_px, made.bound_px
     if total > budget and not mission.accuracy.accept_error:

@@ -13,7 +13,6 @@ from ..errors import InvalidInput, Message, OptionName
 from ..fields import Field, declared_fields
 from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
-from ..map_types import is_undistorted
 from ..storage.files import read_limited, write_whole
 from ..text.safe_json import decoded, parse_json
 from .areas.area import Area, Box, Points, Polygon, Polygons, check_ground
@@ -211,10 +210,11 @@ class Mission:
     @property
     def with_extremes(self) -> tuple[Mission, ...]:
         """The mission with the least, and with the greatest, values of the fields that vary; itself if none does."""
-        if not self.varied.of_camera:
+        if not (self.varied.of_camera or self.varied.of_lens):
             return (self,)
         ends = [(one.field, value) for one, value in self.varied.extremes()]
-        return tuple(self.replace(vary=(), **dict(ends[at::2])) for at in (0, 1))
+        cameras = self.varied.extreme_cameras(self.camera)
+        return tuple(self.replace(vary=(), camera=cameras[-at], **dict(ends[at::2])) for at in (0, 1))
 
     @property
     def moves_poses(self) -> bool:
@@ -245,11 +245,7 @@ class Mission:
     @property
     def undistorted(self) -> Mission:
         """The mission with a lens of the same focal length that does not distort, and without such twins."""
-        return self.replace(camera=self.camera.undistorted, keep_undistorted=False)
-
-    def camera_of(self, map_type: str) -> Camera:
-        """Camera of the images of a map type, which has no distortion for undistorted twins."""
-        return self.camera.undistorted if is_undistorted(map_type) else self.camera
+        return self.replace(camera=self.camera.undistorted, keep_undistorted=False, vary=self.varied.besides_lens)
 
     def select_imagery(self, imagery: NamedImagery) -> Mission:
         """Return a copy that captures this imagery alone."""
@@ -343,6 +339,7 @@ def _check_varied(parts: Mapping[str, Any]) -> None:
     for variation, value in parts["varied"].extremes():
         with _refusing_variation(str(variation)):
             replace(parts[_PART_OF[variation.field]], **{variation.field: value})
+    parts["varied"].extreme_cameras(parts["camera"])
 
 
 @contextmanager

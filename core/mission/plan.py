@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
-from ..geodesy.camera import Poses
+from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners
 from ..geodesy.frames import Windows
@@ -25,9 +25,10 @@ from .flight.rates import Rates, flight_rates
 from .flight.wind import Wind
 from .layout.coverage import Coverage, ImageryShare, Overlap, Rectangles, coverage, imagery_share, overlap
 from .layout.frames import Frames
-from .layout.framing import Framed, ground_ellipsoid, nominal_poses, seen_by_camera
+from .layout.framing import Framed, ground_ellipsoid, nominal_poses, seen_by_cameras
 from .layout.rotated import Pass, plane_share, rotated_coverage, rotated_overlap
 from .layout.rows import Layout, sees_below, turns_at_random
+from .lenses import CaptureCameras
 from .methods import ChosenMethods, camera_methods, choose_methods
 from .mission import Mission
 from .parts import BY_TIME, IDEAL
@@ -130,6 +131,7 @@ class Plan:
             gusting=None,
         )
         part.__dict__["masked"] = self.masked
+        part.__dict__["cameras"] = self.cameras[which]
         if self.mission.takes_time:
             part.__dict__["rates"] = self.rates.take(which)
         part.__dict__["frame_centres"] = tuple(angle[which] for angle in self.frame_centres)
@@ -147,20 +149,20 @@ class Plan:
         InvalidInput
             No methods fit the error budget, or the camera does not see the map.
         """
-        mission, relief = self.mission.undistorted, self.relief.of_undistorted()
+        mission, cameras = self.mission.undistorted, self.cameras.undistorted
         levelled = mission.replace(ground_height_m=self.level_m)
         poses = self.poses if self.flown is None else self.poses._replace(agl_m=self.flown.seen_agl_m)
         layout = Layout(self.column, self.row, *poses[:4])
-        flown = Framed(layout, poses, self.zoom, self.windows, self.frames)
-        flown = seen_by_camera(levelled, self.grid, flown)
+        flown = Framed(layout, poses, cameras, self.zoom, self.windows, self.frames)
+        flown = seen_by_cameras(levelled, self.grid, flown)
         seen = replace(
             self,
             mission=mission,
             windows=flown.windows,
-            corners=relief.corners(self.poses, self.height_m),
-            accuracy=camera_methods(levelled, self.grid, flown, relief),
-            relief=relief,
+            corners=_corners(self.relief, cameras, self.poses, self.height_m),
+            accuracy=camera_methods(levelled, self.grid, flown, self.relief),
         )
+        seen.__dict__["cameras"] = cameras
         if self.mission.takes_time:
             seen.__dict__["rates"] = self.rates
         # Centres of images, after which they are named, depend on the lens.
@@ -244,9 +246,19 @@ class Plan:
         varied, seed = self.mission.varied, self.mission.imagery.seed
         if not varied.vary:
             return {}
-        offsets = varied.draw_pose(seed, int(self.column[index]), int(self.row[index]))
+        place = int(self.column[index]), int(self.row[index])
+        offsets = varied.draw_pose(seed, *place)
         stated = {name: value for name, value in offsets.items() if name not in self.poses._fields}
-        return {**stated, **varied.draw(seed, self.names[index])}
+        return {**stated, **varied.draw_lens(seed, *place), **varied.draw(seed, self.names[index])}
+
+    @cached_property
+    def cameras(self) -> CaptureCameras:
+        """Cameras of the captures."""
+        return CaptureCameras.drawn(self.mission, self.column, self.row)
+
+    def camera(self, index: int) -> Camera:
+        """Camera of one picture."""
+        return self.cameras.of(index)
 
     @cached_property
     def drawn_fields(self) -> tuple[str, ...]:
@@ -256,15 +268,17 @@ class Plan:
     def settings(self, index: int) -> Mission:
         """The mission as the camera of one picture has it, with the values that are drawn for the picture."""
         varied = self.mission.varied
-        if not varied.of_camera:
+        if not (varied.of_camera or self.cameras.vary):
             return self.mission
-        return self.mission.replace(vary=(), **varied.draw(self.mission.imagery.seed, self.names[index]))
+        drawn = varied.draw(self.mission.imagery.seed, self.names[index])
+        return self.mission.replace(vary=(), camera=self.camera(index), **drawn)
 
     @cached_property
     def views(self) -> CameraViews:
         """Ground that the cameras see."""
         return CameraViews(
             self.mission,
+            self.cameras,
             self.grid,
             self.frames,
             self.poses,
@@ -342,9 +356,9 @@ class Plan:
             found = rotated_coverage(self.mission, self.passes, self._rectangles)
         else:
             found = coverage(self.mission.area, self.windows, self.grid, self.zoom, self.mission.no_fly)
-        if sees_below(self.mission):
+        if sees_below(self.mission) and not self.cameras.vary:
             return found
-        missed = self.relief.missed_share(self.poses, self.height_m, self.corners)
+        missed = self.relief.missed_share(self.cameras, self.poses, self.height_m, self.corners)
         if not missed:
             return found
         return replace(found, complete=False, uncovered_m2=max(found.uncovered_m2, missed * found.area_m2))
@@ -455,7 +469,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         if nominal is not None:
             nominal = nominal._replace(agl_m=nominal.agl_m + raised_m)
     height_m = levelled.flight.ground_height_m + poses.agl_m if over_relief is None else over_relief.height_m
-    corners = relief.corners(poses, height_m)
+    corners = _corners(relief, flown.cameras, poses, height_m)
     planned = Plan(
         mission=mission,
         grid=grid,
@@ -477,11 +491,17 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         in_skipped_rows=flown.in_skipped_rows,
         gusting=gusting,
     )
+    planned.__dict__["cameras"] = flown.cameras
     if mission.exposure.exposure != IDEAL or mission.takes_time:
         _check_exposure(planned)
     if mission.varied.keep_undistorted:
         _ = planned.undistorted
     return planned
+
+
+def _corners(relief: Relief, cameras: CaptureCameras, poses: Poses, height_m: Floats) -> Corners:
+    """Ground corners that the cameras see, (n, 4)."""
+    return Corners(*cameras.together(lambda camera, at: relief.corners(camera, poses.take(at), height_m[at])))
 
 
 def _check_exposure(plan: Plan) -> None:

@@ -82,7 +82,7 @@ class Timing:
     @cached_property
     def _speeds(self) -> tuple[Floats, Floats]:
         """Rows in px at which the motion of the picture is measured, (k,), and its greatest speed in px/s there."""
-        (width, height), camera = self.plan.views.size_px(self.index), self.plan.mission.camera
+        (width, height), camera = self.plan.views.size_px(self.index), self.plan.camera(self.index)
         # Over relief, the centres of the pixels of a small picture; else also the edges.
         inset = 0.0 if self.plan.relief.is_level else 0.5
         across, down = (np.linspace(inset, count - inset, count) / count for count in _POINTS)
@@ -109,7 +109,7 @@ class Timing:
             lat, _, agl, *_ = (value[0] for value in self._flown)
             ground = self.plan.ground
             seen = trace(lat, agl, rays, ground)
-            axis = self.plan.mission.camera.rays_enu(((0.0, 0.0),), *angles)[0]
+            axis = self.plan.camera(self.index).rays_enu(((0.0, 0.0),), *angles)[0]
             with np.errstate(invalid="ignore"):
                 depth_m = sight_lines(lat, agl, seen.lat_deg, seen.dlon_deg, ground) @ axis
         return np.where(np.isfinite(depth_m), depth_m, _FAR_M)

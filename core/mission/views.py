@@ -21,6 +21,7 @@ from ..geodesy.view import View, view
 from .layout.frames import Frames, Runs, sampled_zooms
 from .layout.rotated import Pass
 from .layout.rows import turns_at_random
+from .lenses import CaptureCameras
 from .methods import COARSEST_MESH_PX
 from .mission import Mission
 from .relief.ground import Relief
@@ -42,6 +43,8 @@ class CameraViews:
 
     Attributes
     ----------
+    cameras : CaptureCameras
+        Cameras of the captures, (n,).
     poses : Poses
         Poses as flown, (n,).
     height_m : array (n,)
@@ -55,6 +58,7 @@ class CameraViews:
     """
 
     mission: Mission
+    cameras: CaptureCameras
     grid: PixelGrid
     frames: Frames
     poses: Poses
@@ -70,13 +74,18 @@ class CameraViews:
 
     @cached_property
     def _runs(self) -> Runs:
+        if self.cameras.vary:
+            each = np.arange(len(self.height_m))
+            return each, each
         return self.frames.runs(plane_runs(self.grid, self.poses))
 
     @cached_property
     def poles(self) -> NDArray[np.int64]:
         """1 for each capture that sees the north pole, -1 for the south pole, else 0; (n,)."""
         first, run = self._runs
-        return poles_seen(self.mission.camera, self.poses.take(first), self.ground)[run]
+        some = self.poses.take(first)
+        (found,) = self.cameras.together(lambda camera, at: (poles_seen(camera, some.take(at), self.ground),))
+        return found[run]
 
     def centres(self) -> tuple[Floats, Floats]:
         """Latitude and longitude (wrapped) where the cameras' axes meet the ground, degrees, (n,) each.
@@ -84,7 +93,9 @@ class CameraViews:
         See `Relief.image_centres` for cameras whose axis misses the ground.
         """
         poses = self.poses._replace(lon_deg=wrap_lon_deg(self.poses.lon_deg))
-        lat, lon = self.relief.image_centres(poses, self.height_m)
+        lat, lon = self.cameras.together(
+            lambda camera, at: self.relief.image_centres(camera, poses.take(at), self.height_m[at])
+        )
         return lat, wrap_lon_deg(lon)
 
     def outline(self, index: int) -> Outline:
@@ -97,7 +108,7 @@ class CameraViews:
         def make(pose: Poses) -> Outline:
             yaw, tilt, roll = (float(angle[0]) for angle in pose.attitude)
             lat, agl = float(pose.lat_deg[0]), float(pose.agl_m[0])
-            return outline(self.mission.camera, lat, agl, (yaw, tilt, roll), self.ground)
+            return outline(self.cameras.of(index), lat, agl, (yaw, tilt, roll), self.ground)
 
         return self._kept("outlines", index, make)
 
@@ -108,7 +119,7 @@ class CameraViews:
         """
         pose = self.poses.take(np.array([index]))
         pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
-        return self.relief.seen(pose, self.height_m[index : index + 1], points)
+        return self.relief.seen(self.cameras.of(index), pose, self.height_m[index : index + 1], points)
 
     def view(
         self,
@@ -136,7 +147,7 @@ class CameraViews:
             return self._level_view(index)
         self._check_camera_frame()
         flown = self.poses.take(slice(index, index + 1)) if pose is None else pose
-        scene = ImageGeometry(camera or self.mission.camera, *self.size_px(index), flown, self.ground)
+        scene = ImageGeometry(camera or self.cameras.of(index), *self.size_px(index), flown, self.ground)
         return self._view_of_level(scene, self.tolerance_px, rows)
 
     def traced_view(self, tracing: Tracing) -> View:
@@ -170,7 +181,7 @@ class CameraViews:
             One pose to look from instead of the capture's own; its ``agl_m`` counts from the ground that the capture's
             counts from, so that it differs as the heights of the cameras do.
         camera : Camera, or None
-            Camera to look with instead of the mission's, such as that of one colour.
+            Camera to look with instead of the capture's own, such as that of one colour.
 
         Raises
         ------
@@ -184,7 +195,7 @@ class CameraViews:
         if pose is not None:
             height_m += float(pose.agl_m[0]) - float(flown.agl_m[0])
             flown = pose
-        scene = ImageGeometry(camera or self.mission.camera, *size, flown, self.ground)
+        scene = ImageGeometry(camera or self.cameras.of(index), *size, flown, self.ground)
         # Share of the tolerance for the rounding of the camera's pose.
         settling = 2.0**-7
         return Tracing(
@@ -262,7 +273,7 @@ class CameraViews:
         tolerance = self.tolerance_px if self.relief.is_level else COARSEST_MESH_PX
 
         def make(pose: Poses) -> View:
-            return self._view_of_level(ImageGeometry(self.mission.camera, *size, pose, self.ground), tolerance)
+            return self._view_of_level(ImageGeometry(self.cameras.of(index), *size, pose, self.ground), tolerance)
 
         return self._kept("views", index, make)
 
@@ -283,11 +294,19 @@ class CameraViews:
         kept: dict[int, list[Outline | None]] = self.__dict__.get("_blocks_of_outlines", {})
         if block not in kept:
             part = slice(block * _BLOCK, (block + 1) * _BLOCK)
-            found = self.relief.outlines(self.poses.take(part), self.height_m[part])
+            found = self._outlines_on_relief(part)
             # Replaced as a whole, see `_kept`.
             kept = {**dict(list(kept.items())[1 - _KEPT :]), block: found}
             self.__dict__["_blocks_of_outlines"] = kept
         return kept[block][index % _BLOCK]
+
+    def _outlines_on_relief(self, part: slice) -> list[Outline | None]:
+        found: dict[int, Outline | None] = {}
+        poses, height_m = self.poses.take(part), self.height_m[part]
+        for camera, which in self.cameras[part].groups():
+            outlines = self.relief.outlines(camera, poses.take(which), height_m[which])
+            found.update(zip(np.arange(len(height_m))[which].tolist(), outlines))
+        return [found[at] for at in range(len(height_m))]
 
     def _kept(self, what: str, index: int, make: Callable[[Poses], Kept]) -> Kept:
         """Value for the run of poses that a capture belongs to; the last few are kept."""

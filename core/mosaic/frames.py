@@ -30,6 +30,7 @@ from ..geodesy.raytracing.surface import Surface
 from ..geodesy.raytracing.tracing import ElevationModel
 from ..limits import MAX_SETTINGS_BYTES
 from ..mission.estimate import ORTHOMOSAIC_DEG
+from ..mission.lenses import CaptureCameras
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.relief.ground import Heights
@@ -88,6 +89,8 @@ class CameraImages:
 
     Parameters
     ----------
+    cameras : CaptureCameras
+        Cameras of the images.
     poses : Poses
         Poses with heights above ``ground`` and continuous longitudes.
     ground : Ellipsoid
@@ -102,7 +105,7 @@ class CameraImages:
         Ground seen at a larger angle from the vertical is left out.
     """
 
-    camera: Camera
+    cameras: CaptureCameras
     poses: Poses
     ground: Ellipsoid
     relief: ElevationModel | None
@@ -125,7 +128,7 @@ class CameraImages:
             int(plan.frames.height_px[index]),
         )
         return cls(
-            plan.mission.camera,
+            CaptureCameras((plan.camera(index),)),
             poses,
             plan.ground if plan.relief.is_level else WGS84,
             None if plan.relief.is_level else seen_surface(plan.relief.heights),
@@ -157,12 +160,16 @@ class CameraImages:
         below = self.poses.agl_m
         if self.relief is not None:
             below = below - self._heights_below
-        return self.camera.gsd_m_per_px(float(np.nanmedian(below / self.sizes_px.max(axis=1))), 1.0)
+        first = self.cameras.of(0)
+        wider = self.cameras.each(lambda camera: (max(camera.half_tangents) / max(first.half_tangents),))[0]
+        return first.gsd_m_per_px(float(np.nanmedian(wider * (below / self.sizes_px.max(axis=1)))), 1.0)
 
     @property
     def coarsest_gsd_m(self) -> float:
         """Ground that a pixel spans across the direction of view where images look flattest, up to ``flattest_deg``."""
-        rays = self.camera.rays_enu(CORNERS, *self.poses.attitude)
+        (rays,) = self.cameras.together(
+            lambda camera, which: (camera.rays_enu(CORNERS, *self.poses.take(which).attitude),)
+        )
         upright = float((-rays[..., 2] / np.linalg.norm(rays, axis=-1)).min())
         return self.gsd_m / max(upright, math.cos(math.radians(self.flattest_deg)))
 
@@ -210,7 +217,9 @@ class CameraImages:
         # 2048 images at a time take some 30 MB.
         for start in range(0, len(self), 2048):
             part = slice(start, start + 2048)
-            edges[:, part] = self._boxes(self.poses.take(part), rays, margin)
+            poses = self.poses.take(part)
+            for camera, which in self.cameras[part].groups():
+                edges[:, part][:, which] = self._boxes(camera, poses.take(which), rays, margin)
         return ImageBoxes(*edges)
 
     def extent(self, boxes: ImageBoxes) -> Extent:
@@ -254,15 +263,15 @@ class CameraImages:
 
     def _traced(self, index: int, points: Floats, boxes: ImageBoxes) -> tuple[Floats, Floats, bool]:
         """Trace image points (k, 2) to the ground; returns positions in the CRS, and whether all rays meet it."""
-        pose = self.poses.take(np.array([index]))
-        rays = self._limit_flatness(self.camera.rays_enu(points, *pose.attitude), pose)[0]
+        pose, camera = self.poses.take(np.array([index])), self.cameras.of(index)
+        rays = self._limit_flatness(camera.rays_enu(points, *pose.attitude), pose)[0]
         right, up, depth = np.moveaxis(rays @ np.stack(image_axes(*pose.attitude), axis=-1)[0], -1, 0)
         # Rays made steeper may leave the image. Rays along its edge are inside but for rounding.
         tolerance = 1.0 + 1e-9
-        if self.camera.distorts:
-            rays = rays[(np.abs(np.stack(self._seen(right, up, depth))) <= tolerance).all(axis=0) & (depth > 0.0)]
+        if camera.distorts:
+            rays = rays[(np.abs(np.stack(_seen(camera, right, up, depth))) <= tolerance).all(axis=0) & (depth > 0.0)]
         else:
-            tan_x, tan_y = self.camera.half_tangents
+            tan_x, tan_y = camera.half_tangents
             rays = rays[(np.abs(right) <= tolerance * tan_x * depth) & (np.abs(up) <= tolerance * tan_y * depth)]
         lat, lon, agl = (np.broadcast_to(at, len(rays)) for at in pose[:3])
         if self.relief is None:
@@ -307,10 +316,10 @@ class CameraImages:
         )
         return np.where(flat[..., np.newaxis], bent, rays)
 
-    def _boxes(self, poses: Poses, count: int, margin: float) -> Floats:
+    def _boxes(self, camera: Camera, poses: Poses, count: int, margin: float) -> Floats:
         side = np.linspace(-1.0, 1.0, count)
         points = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-        rays = self._limit_flatness(self.camera.rays_enu(points, *poses.attitude), poses)
+        rays = self._limit_flatness(camera.rays_enu(points, *poses.attitude), poses)
         x: list[Floats] = []
         y: list[Floats] = []
         for level_m in self._levels_m:
@@ -357,21 +366,12 @@ class CameraImages:
         towards = ground.points - self.centres[index]
         right, up, depth = np.moveaxis(towards @ self.axes[index].T, -1, 0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            image_x, image_y = self._seen(right, up, depth)
+            image_x, image_y = _seen(self.cameras.of(index), right, up, depth)
             x, y = (1.0 + image_x) / 2.0, (1.0 - image_y) / 2.0
             steepness = -np.einsum("...i,...i", towards, ground.normals) / np.linalg.norm(towards, axis=-1)
             inside = (depth > 0.0) & (x >= 0.0) & (x <= 1.0) & (y >= 0.0) & (y <= 1.0)
             inside &= steepness > math.cos(math.radians(self.flattest_deg))
         return Sight(x, y, inside, steepness)
-
-    def _seen(self, right: Floats, up: Floats, depth: Floats) -> tuple[Floats, Floats]:
-        """Image points of vectors by their parts; meaningless where ``depth`` is not positive."""
-        tan_x, tan_y = self.camera.half_tangents
-        if not self.camera.distorts:
-            return right / depth / tan_x, up / depth / tan_y
-        ahead = np.where(depth > 0.0, depth, 1.0)
-        at = self.camera.seen_xy(np.stack([right / ahead / tan_x, up / ahead / tan_y], axis=-1))
-        return at[..., 0], at[..., 1]
 
     def visible(self, index: int, ground: BlockGround, which: Flags) -> Flags:
         """Pixels (h, w) among ``which`` whose ground is not hidden from an image by relief."""
@@ -409,7 +409,19 @@ class CameraImages:
     def take(self, rows: Numbers) -> CameraImages:
         """Return some of the images."""
         paths = tuple(self.paths[row] for row in rows.tolist())
-        return replace(self, poses=self.poses.take(rows), paths=paths, sizes_px=self.sizes_px[rows])
+        return replace(
+            self, cameras=self.cameras[rows], poses=self.poses.take(rows), paths=paths, sizes_px=self.sizes_px[rows]
+        )
+
+
+def _seen(camera: Camera, right: Floats, up: Floats, depth: Floats) -> tuple[Floats, Floats]:
+    """Image points of vectors by their parts; meaningless where ``depth`` is not positive."""
+    tan_x, tan_y = camera.half_tangents
+    if not camera.distorts:
+        return right / depth / tan_x, up / depth / tan_y
+    ahead = np.where(depth > 0.0, depth, 1.0)
+    at = camera.seen_xy(np.stack([right / ahead / tan_x, up / ahead / tan_y], axis=-1))
+    return at[..., 0], at[..., 1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -547,7 +559,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     attitude = (table.yaw_deg[rows], table.tilt_deg[rows], table.roll_deg[rows])
     sizes = np.stack([side[rows] for side in (table.image_width_px, table.image_height_px)], axis=1)
     return CameraImages(
-        mission.camera_of(images.map_type),
+        CaptureCameras.drawn(mission, table.columns[rows], table.rows[rows], images.map_type),
         Poses(lat, lon, agl, *attitude),
         ground,
         relief,

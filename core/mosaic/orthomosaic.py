@@ -181,7 +181,7 @@ def orthorectify(frames: CameraImages, target: Path, longest_px: int) -> None:
         The file cannot be written.
     """
     alone = frames.take(np.array([0]))
-    below_m = frames.gsd_m * float(frames.sizes_px.max()) / (2.0 * max(frames.camera.half_tangents))
+    below_m = frames.gsd_m * float(frames.sizes_px.max()) / (2.0 * max(frames.cameras.of(0).half_tangents))
     reach_m, level_deg = 8.0 * frames.gsd_m * longest_px, 89.99
     flattest_deg = min(math.degrees(math.atan2(reach_m, below_m)), level_deg)
     cut = replace(alone, flattest_deg=flattest_deg)

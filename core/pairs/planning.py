@@ -424,7 +424,7 @@ def _relief_reach_m(drone: Plan, places: Sequence[PairPlace]) -> Floats:
     found = np.empty(len(places))
     for index, place in enumerate(places):
         part = slice(index * each, (index + 1) * each)
-        seen, _ = drone.relief.seen(drone.poses.take(part), drone.height_m[part], tuple(edge))
+        seen, _ = drone.relief.seen(drone.mission.camera, drone.poses.take(part), drone.height_m[part], tuple(edge))
         middle = cartesian_m(np.array(place.lat_deg), np.array(place.lon_deg))
         distance = np.sqrt(np.sum((cartesian_m(seen.lat_deg, seen.lon_deg) - middle) ** 2, axis=-1))
         # Between the nine points of an edge, relief may reach a little farther.

@@ -84,9 +84,10 @@ def planned_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
     if plan.frames.on_map:
         pinhole = _map_frames(plan, at)
     else:
-        camera = plan.mission.camera
-        tan_x, tan_y = camera.half_tangents
-        centre = width * (0.5 + camera.principal_x), height * (0.5 + camera.principal_y)
+        tan_x, tan_y, right, down = plan.cameras[at].each(
+            lambda camera: (*camera.half_tangents, camera.principal_x, camera.principal_y)
+        )
+        centre = width * (0.5 + right), height * (0.5 + down)
         pinhole = (width / (2.0 * tan_x), height / (2.0 * tan_y), *centre)
     return Optics(width, height, *pinhole)
 
@@ -174,7 +175,7 @@ class Exposure:
     def through_lens(self, plan: Plan, index: int) -> Exposure:
         """The same exposure with the optics of another plan of the captures."""
         (row,) = _optics_rows(plan, np.array([index]))
-        return replace(self, body=camera_body(plan.mission.camera), **_optics_of_row(row))
+        return replace(self, body=camera_body(plan.camera(index)), **_optics_of_row(row))
 
 
 def _optics_rows(plan: Plan, at: NDArray[np.int64]) -> Floats:
@@ -199,7 +200,7 @@ class Exposures:
 
     def __init__(self, plan: Plan) -> None:
         self._columns = _optics_rows(plan, np.arange(len(plan)))
-        self._body = camera_body(plan.mission.camera)
+        self._cameras = plan.cameras
         self._height_m, self._start, self._times_s = (
             plan.height_m,
             utc_time(plan.direct.start),
@@ -209,14 +210,14 @@ class Exposures:
     def take(self, which: NDArray[np.int64]) -> Exposures:
         """Exposures of some captures, by index."""
         part = copy(self)
-        for name in ("_columns", "_height_m", "_times_s"):
+        for name in ("_columns", "_cameras", "_height_m", "_times_s"):
             setattr(part, name, getattr(self, name)[which])
         return part
 
     def exposure(self, index: int) -> Exposure:
         """Exposure of one capture."""
         return Exposure(
-            self._body,
+            camera_body(self._cameras.of(index)),
             altitude_m=self._height_m[index].item(),
             taken=self._taken(index),
             **_optics_of_row(self._columns[index]),

@@ -156,7 +156,7 @@ def _sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | 
 
 def _digit_m(plan: Plan, index: int, size_px: tuple[int, int]) -> float:
     """1/8192 of a pixel on the ground, metres; further digits are noise."""
-    return plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px)) * 2.0**-13
+    return plan.camera(index).gsd_m_per_px(float(plan.agl_m[index]), max(size_px)) * 2.0**-13
 
 
 def _settled(plan: Plan, index: int, size_px: tuple[int, int], seen: Sighting) -> Sighting:
@@ -188,7 +188,7 @@ def _map_positions(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Fl
 
 def _level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tuple[Floats, Floats]:
     """Latitudes (h, w) of level ground seen by the pixels of a camera frame, and longitudes from the camera's."""
-    (width, height), camera = size_px, plan.mission.camera
+    (width, height), camera = size_px, plan.camera(index)
     lat, dlon = np.empty((2, height, width))
     # By rows that fit in the processor's cache.
     rows = max(_CACHED_PX // width, 1)
@@ -210,7 +210,7 @@ def _near_level_ground(plan: Plan, index: int, size_px: tuple[int, int]) -> tupl
     (width, height), pose = size_px, plan.poses.take(np.array([index]))
     if len(middle_strips(plan, index, size_px)) > 1:
         return _level_ground(plan, index, size_px)
-    rays = ImageRays.from_scene(ImageGeometry(plan.mission.camera, width, height, pose, plan.ground))
+    rays = ImageRays.from_scene(ImageGeometry(plan.camera(index), width, height, pose, plan.ground))
     across, down = (Interpolation.along(length, _NODES) for length in size_px)
     seen = rays.ground(*np.meshgrid(across.nodes, down.nodes))
     lat_deg = float(pose.lat_deg[0])
@@ -253,7 +253,7 @@ def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sightin
         depth = np.empty_like(dlon)
         for top, bottom, at in middle_strips(plan, index, size_px):
             rows, east = slice(top, bottom), at.lon_deg[0] - plan.lon_deg[index]
-            axis = plan.mission.camera.ideal_rays_enu(np.zeros((1, 2)), *(float(angle[0]) for angle in at.attitude))[0]
+            axis = plan.camera(index).ideal_rays_enu(np.zeros((1, 2)), *(float(angle[0]) for angle in at.attitude))[0]
             with np.errstate(invalid="ignore"):
                 lines = sight_lines(at.lat_deg[0], at.agl_m[0], ground_lat[rows], dlon[rows] - east, plan.ground)
             depth[rows] = lines @ axis

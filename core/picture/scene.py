@@ -66,7 +66,7 @@ class PictureScene:
             _, _, focal_x, focal_y, x, y = (float(one[0]) for one in planned_optics(self.plan, np.array([self.index])))
             return (np.arange(width) + 0.5 - x) / focal_x, (np.arange(height) + 0.5 - y)[:, np.newaxis] / focal_y
         x_px, y_px = self._rays(self.plan.poses.take(np.array([self.index]))).ideal_centres(0, height)
-        tan_x, tan_y = self.plan.mission.camera.half_tangents
+        tan_x, tan_y = self.plan.camera(self.index).half_tangents
         return (2.0 * x_px / width - 1.0) * tan_x, (2.0 * y_px / height - 1.0) * tan_y
 
     @property
@@ -78,7 +78,7 @@ class PictureScene:
         return (np.arange(width) + 0.5 - x) / corner, (np.arange(height) + 0.5 - y)[:, np.newaxis] / corner
 
     def _rays(self, pose: Poses) -> ImageRays:
-        return ImageRays.from_scene(ImageGeometry(self.plan.mission.camera, *self.size_px, pose, self.plan.ground))
+        return ImageRays.from_scene(ImageGeometry(self.plan.camera(self.index), *self.size_px, pose, self.plan.ground))
 
     @cached_property
     def range_m(self) -> Floats:

@@ -52,14 +52,14 @@ class Take:
     @cached_property
     def others(self) -> dict[int, Take]:
         """Takes of red and blue by channel, if the lens splits colours."""
-        if self.colour or not self.plan.mission.camera.splits_colours:
+        if self.colour or not self.plan.camera(self.index).splits_colours:
             return {}
         return {channel: replace(self, colour=colour) for channel, colour in ((0, "red"), (2, "blue"))}
 
     @property
     def _camera(self) -> Camera | None:
-        """Camera of the colour; None for the mission's."""
-        return self.plan.mission.camera.of_colour(self.colour) if self.colour else None
+        """Camera of the colour; None for the capture's own."""
+        return self.plan.camera(self.index).of_colour(self.colour) if self.colour else None
 
     @cached_property
     def _tracing(self) -> Tracing | None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Floats
-from ..errors import Message
+from ..errors import InvalidInput, Message
 from ..geodesy.accuracy import outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
@@ -255,9 +255,18 @@ def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progre
 
     Raises
     ------
+    InvalidInput
+        Images have lenses of their own.
     PartError, SourceError
         No picture can be made from the source.
     """
+    if plan.cameras.vary:
+        raise InvalidInput(
+            "vary {0!r}: methods are measured with one camera",
+            str(plan.mission.varied.of_lens[0]),
+            field="vary",
+            remedy="choose other fields",
+        )
     say, load = progress or (lambda _: None), _load()
     effort = QUICK if quick else THOROUGH
     map_type = plan.mission.imagery.map_types[0]

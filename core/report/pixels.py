@@ -77,7 +77,7 @@ def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
     if not plan.relief.is_level:
         return _relief_methods(plan, scene)
     others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
-    choice = plan.accuracy.pixels or choose_pixels(plan.mission, scene, others_px)
+    choice = plan.accuracy.pixels or choose_pixels(plan.mission, (scene,), others_px)
     own = choice.method if choice.method.name != TRACED.name else None
     first_px = own.bound_px if own is not None else COARSEST_MESH_PX
     found: list[PixelMethod] = []

@@ -8,12 +8,13 @@ from typing import Any, ClassVar, Protocol, Union
 import numpy as np
 
 from ...arrays import Floats, NDArray, Numbers
-from ...geodesy.camera import Poses
+from ...geodesy.camera import Camera, Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.footprint import Corners
 from ...geodesy.frames import Sizes, Windows, quarter_turns, swapped, window_centres
 from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, u_to_lon, v_to_lat
 from ...geodesy.planes import TurnedPlane
+from ..lenses import CaptureCameras, Which
 from ..mission import Mission
 from ..relief.ground import Flown, Relief
 from .coverage import Rectangles, unique_tiles
@@ -58,6 +59,10 @@ class FramedPlan(Protocol):
     @property
     def row(self) -> Numbers:
         """Row of each capture, (n,)."""
+
+    @property
+    def cameras(self) -> CaptureCameras:
+        """Cameras of the captures, (n,)."""
 
     @property
     def poses(self) -> Poses:
@@ -304,11 +309,18 @@ class CameraFrames:
 
     def rectangles(self, plan: FramedPlan, part: Pass, at: slice) -> Rectangles:
         """Rectangles of ground inside the pictures of a pass, in the plane of its rows."""
-        poses, moved = plan.poses, plan.nominal is not None or plan.flown is not None
+        poses, cameras = plan.poses, plan.cameras[at]
+        moved = plan.nominal is not None or plan.flown is not None or cameras.vary
         if plan.flown is not None:
             # From this height, cameras see as much level ground as they at least see of the relief.
             poses = poses._replace(agl_m=plan.flown.seen_agl_m)
-        return rotated_rectangles(plan.mission, part, poses.take(at), plan.row[at], plan.ground, moved=moved)
+        poses, row = poses.take(at), plan.row[at]
+
+        def shown(camera: Camera, which: Which) -> Rectangles:
+            one = plan.mission, camera, part, poses.take(which), row[which]
+            return rotated_rectangles(*one, plan.ground, moved=moved)
+
+        return Rectangles(*cameras.together(shown))
 
 
 #: Frames of a plan, of one kind.

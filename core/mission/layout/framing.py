@@ -13,7 +13,7 @@ import numpy as np
 from ...arrays import Floats, NDArray, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import ImageGeometry
-from ...geodesy.camera import Poses
+from ...geodesy.camera import Camera, Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ...geodesy.frames import (
     FrameEdges,
@@ -30,6 +30,7 @@ from ...geodesy.rectangles import inscribed_edges
 from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..areas.area import Points
+from ..lenses import CaptureCameras
 from ..mission import Mission
 from ..parts import FIRST, TRACK
 from ..relief.ground import Flown, Relief
@@ -68,6 +69,7 @@ class Framed(NamedTuple):
 
     layout: Layout
     poses: Poses
+    cameras: CaptureCameras
     zoom: int
     windows: Windows
     frames: Frames
@@ -86,8 +88,8 @@ class Framing(Protocol):
         """Whether pictures are resampled: windows are then rectangles inside the pictures."""
         ...
 
-    def edges(self, poses: Poses, pixel: float, /) -> FrameEdges:
-        """Edges of the frames of poses, for pixels of a size as a world fraction."""
+    def edges(self, poses: Poses, pixel: float, camera: Camera | None = None, /) -> FrameEdges:
+        """Edges of the frames of poses, for pixels of a size as a world fraction; None for the mission's camera."""
         ...
 
     def zoom(self, layout: Layout) -> int:
@@ -139,16 +141,19 @@ def framed(
     if flown is not None:
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
-    is_steady = not mission.moves_poses and flown is None and not turns_at_random(mission)
+    cameras = CaptureCameras.drawn(mission, layout.column, layout.row)
+    is_steady = not (mission.moves_poses or cameras.vary or turns_at_random(mission)) and flown is None
     share_frames = passes and framing.resamples and grid.plane.wraps and is_steady
-    windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if share_frames else None)
+    reference = _laid_out_first(mission, layout) if share_frames else None
+    windows = _windows(framing, cameras, poses, grid, zoom, reference)
     frames = framing.frames(relief.lone(layout, flown), windows, poses)
-    return Framed(layout, poses, zoom, windows, frames, passes, flown, parts, lost, in_skipped_rows)
+    return Framed(layout, poses, cameras, zoom, windows, frames, passes, flown, parts, lost, in_skipped_rows)
 
 
-def seen_by_camera(mission: Mission, grid: PixelGrid, flown: Framed) -> Framed:
-    """Return the same camera frames as the camera of another mission sees them."""
-    return flown._replace(windows=_windows(CameraFraming(mission, grid), flown.poses, grid, flown.zoom, None))
+def seen_by_cameras(mission: Mission, grid: PixelGrid, flown: Framed) -> Framed:
+    """Return the same camera frames with the windows of their cameras; the camera of the mission if they share one."""
+    windows = _windows(CameraFraming(mission, grid), flown.cameras, flown.poses, grid, flown.zoom, None)
+    return flown._replace(windows=windows)
 
 
 class PlacedCaptures(NamedTuple):
@@ -293,11 +298,16 @@ def _laid_out_first(mission: Mission, layout: Layout) -> int:
     return 0 if mission.route.entry == FIRST else int(np.lexsort((layout.column, layout.row))[0])
 
 
-def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, reference: int | None) -> Windows:
+def _windows(
+    framing: Framing, cameras: CaptureCameras, poses: Poses, grid: PixelGrid, zoom: int, reference: int | None
+) -> Windows:
     """Windows of captures; with the index of a ``reference`` capture, nearly equal poses share a frame."""
     pixel = 1.0 / grid.world_px(zoom)
     if reference is not None:
         edges, run = _rounded_edges(framing, poses, pixel, reference), np.arange(len(poses.lat_deg))
+    elif cameras.vary:
+        each = cameras.together(lambda camera, at: framing.edges(poses.take(at), pixel, camera))
+        edges, run = FrameEdges(*each), np.arange(len(poses.lat_deg))
     else:
         first, run = plane_runs(grid, poses)
         edges = framing.edges(poses.take(first), pixel)
@@ -473,9 +483,9 @@ class MapFraming:
     mission: Mission
     grid: PixelGrid
 
-    def edges(self, poses: Poses, _pixel: float, /) -> FrameEdges:
+    def edges(self, poses: Poses, _pixel: float, camera: Camera | None = None, /) -> FrameEdges:
         """Edges through the midpoints of image edges."""
-        return map_frame_edges(self.mission.camera, poses, ground_ellipsoid(self.mission), self.grid.plane)
+        return map_frame_edges(camera or self.mission.camera, poses, ground_ellipsoid(self.mission), self.grid.plane)
 
     def frames(self, _layout: Layout, windows: Windows, poses: Poses, /) -> MapFrames:
         """Frames of the size of their windows."""
@@ -525,9 +535,11 @@ class CameraFraming:
     mission: Mission
     grid: PixelGrid
 
-    def edges(self, poses: Poses, pixel: float) -> FrameEdges:
+    def edges(self, poses: Poses, pixel: float, camera: Camera | None = None, /) -> FrameEdges:
         """Edges of the rectangles inside the pictures, with room for rounding."""
-        return inscribed_edges(self.mission.camera, poses, ground_ellipsoid(self.mission), pixel, self.grid.plane)
+        return inscribed_edges(
+            camera or self.mission.camera, poses, ground_ellipsoid(self.mission), pixel, self.grid.plane
+        )
 
     def frames(self, layout: Layout, _windows: Windows, _poses: Poses, /) -> CameraFrames:
         """Frames of the sizes of `sizes`."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import Flags, Floats, Numbers, expand_counts
 from ...errors import InvalidInput, Message, OptionName
-from ...geodesy.camera import Poses
+from ...geodesy.camera import Camera, Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import MERCATOR, Plane, wrap_lon_deg
 from ...geodesy.planes import ProjectedPlane, TurnedPlane
@@ -444,15 +444,15 @@ def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> t
 
 
 def rotated_rectangles(
-    mission: Mission, part: Pass, poses: Poses, row: Numbers, ground: Ellipsoid, moved: bool
+    mission: Mission, camera: Camera, part: Pass, poses: Poses, row: Numbers, ground: Ellipsoid, moved: bool
 ) -> Rectangles:
     """Rectangles that images of a pass show, in its plane; measured one by one if captures have ``moved``."""
     if moved and turns_at_random(mission):
         # The largest rectangles of images at other yaws may not hold the common one; 2 % more, to be rounded down.
         width, height = (1.02 * float(size[0]) for size in part.sides.size_m)
-        return _rounded(image_sides(mission.camera, poses, part.plane, ground, (width, height)), part.sides.size_m)
+        return _rounded(image_sides(camera, poses, part.plane, ground, (width, height)), part.sides.size_m)
     if moved:
-        return _rounded(image_sides(mission.camera, poses, part.plane, ground), part.sides.size_m)
+        return _rounded(image_sides(camera, poses, part.plane, ground), part.sides.size_m)
     x, y = part.plane.forward(poses.lat_deg, poses.lon_deg)
     # The deviations of captures from a straight row are noise, which `_MEETING_M` allows for.
     new = np.append(True, row[1:] != row[:-1])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from itertools import product
+from typing import TYPE_CHECKING, Any
 
 from ...camera.varying import Variation
 from ...errors import InvalidInput, Message
@@ -18,6 +19,9 @@ from .flown import Attitude, Flight, Route
 from .optics import CameraOptics
 from .sensor import ImageSensor
 from .shutter import Shutter
+
+if TYPE_CHECKING:
+    from ...geodesy.camera import Camera
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,10 @@ _OF_POSES = {
     "agl_m": field_named(Flight, "agl_m"),
     **{name: field_named(Attitude, name) for name in ("yaw_deg", "tilt_deg", "roll_deg")},
 }
+#: Fields of lenses that may vary.
+_OF_LENSES = {one.name: one for one in declared_fields(Lens) if one.kind in (float, int) and one.name != "aspect_ratio"}
+#: Fields of a lens of which all combinations of extreme values are tried: more would take seconds.
+_COMBINED = 6
 #: Parts all of whose numbers may vary.
 _PARTS: tuple[type[CheckedFields], ...] = (Air, CameraOptics, ExposureControl, Shutter, ImageSensor)
 
@@ -51,7 +59,8 @@ _PARTS: tuple[type[CheckedFields], ...] = (Air, CameraOptics, ExposureControl, S
 def variable_fields() -> dict[str, Field]:
     """Fields that may vary from image to image, by name: of poses, light and camera."""
     numbers = (one for part in _PARTS for one in declared_fields(part) if one.kind in (float, int))
-    return {**_OF_POSES, "exposure_ms": field_named(Route, "exposure_ms"), **{one.name: one for one in numbers}}
+    exposure = {"exposure_ms": field_named(Route, "exposure_ms")}
+    return {**_OF_POSES, **_OF_LENSES, **exposure, **{one.name: one for one in numbers}}
 
 
 def _check_vary(texts: tuple[Any, ...]) -> None:
@@ -61,12 +70,12 @@ def _check_vary(texts: tuple[Any, ...]) -> None:
             raise InvalidInput("vary {0!r}: must be text", text, field="vary")
         variation = Variation.from_text(text)
         field = variable_fields().get(variation.field)
-        if any(one.name == variation.field for one in declared_fields(Lens)):
+        if variation.field == "aspect_ratio":
             raise InvalidInput(
-                "vary {0!r}: a mission has one lens",
+                "vary {0!r}: the images of a mission have one shape",
                 text,
                 field="vary",
-                remedy="plan a mission for each lens",
+                remedy="plan a mission for each",
             )
         if field is None:
             raise InvalidInput(
@@ -105,7 +114,7 @@ def _check_ends(text: str, variation: Variation, field: Field) -> None:
 
 
 def place_of_pose(column: int, row: int) -> str:
-    """Beginning of an image's name, by which its pose is drawn: the rest of the name depends on the pose."""
+    """Beginning of an image's name, by which its pose and lens are drawn: the rest of the name depends on them."""
     return f"{column}_{row}"
 
 
@@ -163,9 +172,19 @@ class Varied(CheckedFields):
         return self._variations(lambda name: name in _OF_POSES)
 
     @property
+    def of_lens(self) -> tuple[Variation, ...]:
+        """Distributions of the fields of the lens."""
+        return self._variations(lambda name: name in _OF_LENSES)
+
+    @property
+    def besides_lens(self) -> tuple[str, ...]:
+        """`vary` without the fields of the lens."""
+        return tuple(text for text in self.vary if Variation.from_text(text).field not in _OF_LENSES)
+
+    @property
     def of_camera(self) -> tuple[Variation, ...]:
-        """Distributions of the fields of camera and light."""
-        return self._variations(lambda name: name not in _OF_POSES)
+        """Distributions of the fields of light and camera but for the lens."""
+        return self._variations(lambda name: name not in _OF_POSES and name not in _OF_LENSES)
 
     @property
     def turns_images(self) -> bool:
@@ -177,12 +196,12 @@ class Varied(CheckedFields):
         return next((one.extremes[1] for one in self.of_camera if one.field == field), otherwise)
 
     def extremes(self) -> Iterator[tuple[Variation, float]]:
-        """Yield the least and the greatest value of each field of camera and light."""
+        """Yield the least and the greatest value of each field of `of_camera`."""
         fields = variable_fields()
         yield from ((one, _of_kind(fields[one.field], value)) for one in self.of_camera for value in one.extremes)
 
     def draw(self, seed: int, image: str) -> dict[str, float]:
-        """Values of camera and light of an image, by field."""
+        """Values of the fields of `of_camera` for an image, by field."""
         fields = variable_fields()
         return {one.field: _drawn(fields[one.field], one, seed, image) for one in self.of_camera}
 
@@ -190,6 +209,48 @@ class Varied(CheckedFields):
         """Values of a pose, by field."""
         return {one.field: one.draw(seed, place_of_pose(column, row)) for one in self.of_poses}
 
+    def draw_lens(self, seed: int, column: int, row: int) -> dict[str, float]:
+        """Values of the lens of a capture, by field."""
+        return {one.field: one.draw(seed, place_of_pose(column, row)) for one in self.of_lens}
+
+    def extreme_cameras(self, camera: Camera) -> tuple[Camera, ...]:
+        """Cameras with each combination of least and greatest values of the lens; the camera itself if it is fixed.
+
+        Raises
+        ------
+        InvalidInput
+            One of them is no camera, such as one whose lens folds the image.
+        """
+        return _extreme_cameras(camera, self.of_lens)
+
     def _variations(self, is_wanted: Callable[[str], bool]) -> tuple[Variation, ...]:
         found = map(Variation.from_text, self.vary)
         return tuple(one for one in found if is_wanted(one.field))
+
+
+def drawn_camera(camera: Camera, values: Mapping[str, Any], variations: tuple[Variation, ...]) -> Camera:
+    """Camera with some values of its lens; raises InvalidInput that names the variations if there is none."""
+    try:
+        made = replace(camera, **values)
+        for colour in ("red", "blue"):
+            made.of_colour(colour)
+    except InvalidInput as wrong:
+        raise InvalidInput(
+            "vary {0}: with {1}, {2}",
+            " ".join(repr(str(one)) for one in variations),
+            ", ".join(f"{name} {value:g}" for name, value in values.items()),
+            wrong,
+            field="vary",
+        ) from wrong
+    return made
+
+
+@lru_cache(maxsize=8)
+def _extreme_cameras(camera: Camera, variations: tuple[Variation, ...]) -> tuple[Camera, ...]:
+    """`Varied.extreme_cameras`; fields after the first few have all their least or all their greatest values."""
+    each, others = variations[:_COMBINED], variations[_COMBINED:]
+    made = []
+    for ends in product((0, 1), repeat=len(each) + bool(others)):
+        values = {one.field: one.extremes[end] for one, end in zip(variations, (*ends, *ends[-1:] * len(others)))}
+        made.append(drawn_camera(camera, values, variations))
+    return tuple(made)

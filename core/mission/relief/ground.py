@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
@@ -16,6 +16,7 @@ from ...geodesy.footprint import Corners, ImagePoints, Outline, exact, ground_co
 from ...geodesy.projections import LocalPlane
 from ...geodesy.triangles import NO_FACES, FaceModel
 from ..layout.rows import Layout
+from ..lenses import CaptureCameras
 from ..mission import Mission
 
 if TYPE_CHECKING:
@@ -181,10 +182,6 @@ class Relief(Protocol):
         """Restore the heights, which pickling leaves out."""
         ...
 
-    def of_undistorted(self) -> Relief:
-        """The same ground as cameras without distortion see it, which shares the heights in memory."""
-        ...
-
     def text(self) -> str:
         """Description for people; empty for level ground."""
         ...
@@ -199,19 +196,19 @@ class Relief(Protocol):
 
     # --- ground that captures see
 
-    def seen(self, poses: Poses, height_m: Floats, points: ImagePoints, /) -> tuple[Corners, Floats]:
-        """Ground that captures see at image points (k,), and its heights, (n, k) each."""
+    def seen(self, camera: Camera, poses: Poses, height_m: Floats, points: ImagePoints, /) -> tuple[Corners, Floats]:
+        """Ground that captures of a camera see at image points (k,), and its heights, (n, k) each."""
         ...
 
-    def corners(self, poses: Poses, height_m: Floats, /) -> Corners:
+    def corners(self, camera: Camera, poses: Poses, height_m: Floats, /) -> Corners:
         """Ground corners that captures see, (n, 4)."""
         ...
 
-    def image_centres(self, poses: Poses, height_m: Floats, /) -> tuple[Floats, Floats]:
+    def image_centres(self, camera: Camera, poses: Poses, height_m: Floats, /) -> tuple[Floats, Floats]:
         """Latitudes and longitudes of the ground in the middle of images, (n,) each; see `footprint.image_centres`."""
         ...
 
-    def outlines(self, poses: Poses, height_m: Floats, /) -> list[Outline | None]:
+    def outlines(self, camera: Camera, poses: Poses, height_m: Floats, /) -> list[Outline | None]:
         """Outlines of the ground that captures see; None over level ground."""
         ...
 
@@ -262,11 +259,13 @@ class Relief(Protocol):
         """Captures with the heights that determine the zoom."""
         ...
 
-    def missed_share(self, poses: Poses, height_m: Floats, corners: Corners, /) -> float:
+    def missed_share(self, cameras: CaptureCameras, poses: Poses, height_m: Floats, corners: Corners, /) -> float:
         """Share of the area's ground outside all images; 0 over level ground, where `coverage` measures it."""
         ...
 
-    def figures(self, poses: Poses, flown: Flown | None, corners: Corners, /) -> ReliefFigures | None:
+    def figures(
+        self, cameras: CaptureCameras, poses: Poses, flown: Flown | None, corners: Corners, /
+    ) -> ReliefFigures | None:
         """Figures of a flight with captures (n,) and image corners (n, 4); None over level ground."""
         ...
 
@@ -277,14 +276,12 @@ class LevelGround:
 
     Parameters
     ----------
-    camera : Camera
     lowest_m : float
         Height of the ground.
     agl_m : float
         Height of the flight above the ground.
     """
 
-    camera: Camera
     lowest_m: float
     agl_m: float
 
@@ -322,10 +319,6 @@ class LevelGround:
     def load(self, heights: Heights, heights_m: NDArray[Any]) -> None:
         """Do nothing."""
 
-    def of_undistorted(self) -> LevelGround:
-        """The same ground as cameras without distortion see it."""
-        return replace(self, camera=self.camera.undistorted)
-
     def text(self) -> str:
         """Return an empty text."""
         return ""
@@ -338,20 +331,26 @@ class LevelGround:
         """Ground below a path."""
         return LevelPathGround(self.lowest_m)
 
-    def seen(self, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:  # noqa: ARG002
+    def seen(
+        self,
+        camera: Camera,
+        poses: Poses,
+        height_m: Floats,  # noqa: ARG002  as over relief
+        points: ImagePoints,
+    ) -> tuple[Corners, Floats]:
         """Ground that captures see at image points (k,), and its height, (n, k)."""
-        found = exact(self.camera, poses, points, self.ellipsoid)
+        found = exact(camera, poses, points, self.ellipsoid)
         return found, np.full(found.lat_deg.shape, self.lowest_m)
 
-    def corners(self, poses: Poses, height_m: Floats) -> Corners:  # noqa: ARG002  as over relief
+    def corners(self, camera: Camera, poses: Poses, height_m: Floats) -> Corners:  # noqa: ARG002  as over relief
         """Ground corners that captures see, (n, 4)."""
-        return ground_corners(self.camera, poses, self.ellipsoid)
+        return ground_corners(camera, poses, self.ellipsoid)
 
-    def image_centres(self, poses: Poses, height_m: Floats) -> tuple[Floats, Floats]:  # noqa: ARG002
+    def image_centres(self, camera: Camera, poses: Poses, height_m: Floats) -> tuple[Floats, Floats]:  # noqa: ARG002
         """Latitudes and longitudes of the ground in the middle of images, (n,) each."""
-        return image_centres(self.camera, poses, self.ellipsoid)
+        return image_centres(camera, poses, self.ellipsoid)
 
-    def outlines(self, poses: Poses, height_m: Floats) -> list[Outline | None]:  # noqa: ARG002  as over relief
+    def outlines(self, camera: Camera, poses: Poses, height_m: Floats) -> list[Outline | None]:  # noqa: ARG002
         """None for each: outlines over level ground follow from the attitude."""
         return [None] * len(poses.lat_deg)
 
@@ -379,11 +378,23 @@ class LevelGround:
         """Return the captures unchanged."""
         return layout
 
-    def missed_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:  # noqa: ARG002
+    def missed_share(
+        self,
+        cameras: CaptureCameras,  # noqa: ARG002  as over relief
+        poses: Poses,  # noqa: ARG002
+        height_m: Floats,  # noqa: ARG002
+        corners: Corners,  # noqa: ARG002
+    ) -> float:
         """Return 0."""
         return 0.0
 
-    def figures(self, poses: Poses, flown: Flown | None, corners: Corners) -> ReliefFigures | None:  # noqa: ARG002
+    def figures(
+        self,
+        cameras: CaptureCameras,  # noqa: ARG002  as over relief
+        poses: Poses,  # noqa: ARG002
+        flown: Flown | None,  # noqa: ARG002
+        corners: Corners,  # noqa: ARG002
+    ) -> ReliefFigures | None:
         """Return None."""
         return None
 
@@ -413,7 +424,7 @@ class LevelPathGround:
 
 def level_ground(mission: Mission) -> LevelGround:
     """Level ground at the mission's ground height."""
-    return LevelGround(mission.camera, mission.flight.ground_height_m, mission.flight.agl_m)
+    return LevelGround(mission.flight.ground_height_m, mission.flight.agl_m)
 
 
 def refuse_hole(lat_deg: float, lon_deg: float) -> NoReturn:

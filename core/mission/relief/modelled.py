@@ -12,7 +12,7 @@ import numpy as np
 
 from ...arrays import Floats, NDArray, Numbers
 from ...errors import InvalidInput, Message, OptionName
-from ...geodesy.camera import CORNERS, Poses
+from ...geodesy.camera import CORNERS, Camera, Poses
 from ...geodesy.ellipsoid import WGS84, sight_lines, sin_cos
 from ...geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres
 from ...geodesy.mercator import wrap_lon_deg
@@ -20,6 +20,7 @@ from ...geodesy.raytracing.surface import Surface
 from ..areas.area import ANGLES, Area, Points, area_contains, pairs_in_batches
 from ..flight.legs import legs
 from ..layout.rows import Layout, point_angles_deg, sees_below
+from ..lenses import CaptureCameras
 from ..mission import Mission
 from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 from .ground import Flown, Heights, Relief, ReliefFigures, level_ground, refuse_hole
@@ -101,13 +102,6 @@ class ModelledRelief:
         """Restore the elevation models, and the heights in memory, after unpickling."""
         self.heights = heights
         self._surface = replace(self._surface, heights_m=heights_m)
-
-    def of_undistorted(self) -> ModelledRelief:
-        """The same ground as cameras without distortion see it, which shares the heights in memory."""
-        seen = object.__new__(ModelledRelief)
-        # `copy` would leave out the heights, as pickling does.
-        seen.__dict__.update(self.__dict__, mission=self.mission.undistorted)
-        return seen
 
     @property
     def _planned(self) -> ElevationModel:
@@ -270,22 +264,22 @@ class ModelledRelief:
         """Whether heights are missing near the mission, or images may see beyond it."""
         return self._reach >= _MAX_TANGENT or bool(np.isnan(self._surface.heights_m).any())
 
-    def seen(self, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:
-        """Ground that captures see at image points (k,), and its heights, (n, k) each.
+    def seen(self, camera: Camera, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:
+        """Ground that captures of a camera see at image points (k,), and its heights, (n, k) each.
 
         Rays that miss the relief in memory meet level ground at its lowest height.
         """
         each = max(_RAYS // len(points), 1)
         batches = [slice(first, first + each) for first in range(0, len(height_m), each)]
-        found = [self._seen(poses.take(some), height_m[some], points) for some in batches]
+        found = [self._seen(camera, poses.take(some), height_m[some], points) for some in batches]
         corners, heights = zip(*found)
         return Corners(*map(np.concatenate, zip(*corners))), np.concatenate(heights)
 
-    def _seen(self, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:
+    def _seen(self, camera: Camera, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:
         # A camera must be above the ground, if only by a millimetre.
         level = poses._replace(agl_m=np.maximum(height_m - self.lowest_m, 1e-3))
-        found = exact(self.mission.camera, level, points, WGS84.raised(self.lowest_m))
-        rays = self.mission.camera.rays_enu(points, *poses.attitude)
+        found = exact(camera, level, points, WGS84.raised(self.lowest_m))
+        rays = camera.rays_enu(points, *poses.attitude)
         lat, lon, height = (np.repeat(values, len(points)) for values in (poses.lat_deg, poses.lon_deg, height_m))
         shape = found.lat_deg.shape
         *met, hits = self._surface.first_points(lat, lon, height, rays.reshape(-1, 3), self.lowest_m)
@@ -298,26 +292,26 @@ class ModelledRelief:
         )
         return corners, np.where(hit, heights, self.lowest_m)
 
-    def corners(self, poses: Poses, height_m: Floats) -> Corners:
+    def corners(self, camera: Camera, poses: Poses, height_m: Floats) -> Corners:
         """Ground corners that captures see, (n, 4)."""
-        return self.seen(poses, height_m, CORNERS)[0]
+        return self.seen(camera, poses, height_m, CORNERS)[0]
 
-    def image_centres(self, poses: Poses, height_m: Floats) -> tuple[Floats, Floats]:
+    def image_centres(self, camera: Camera, poses: Poses, height_m: Floats) -> tuple[Floats, Floats]:
         """Latitudes and longitudes of the ground in the middle of images, (n,) each; see `footprint.image_centres`."""
-        seen, _ = self.seen(poses, height_m, ((0.0, 0.0),))
+        seen, _ = self.seen(camera, poses, height_m, ((0.0, 0.0),))
         lat, lon = seen.lat_deg[:, 0], seen.lon_deg[:, 0]
         beyond = np.flatnonzero(~seen.hit[:, 0])
         if len(beyond):
             level = poses.take(beyond)._replace(agl_m=height_m[beyond] - self.lowest_m)
-            lat[beyond], lon[beyond] = image_centres(self.mission.camera, level, WGS84.raised(self.lowest_m))
+            lat[beyond], lon[beyond] = image_centres(camera, level, WGS84.raised(self.lowest_m))
         return lat, lon
 
-    def outlines(self, poses: Poses, height_m: Floats) -> list[Outline | None]:
+    def outlines(self, camera: Camera, poses: Poses, height_m: Floats) -> list[Outline | None]:
         """Outlines of the ground that captures see; None for a capture whose edges partly miss the ground."""
         along = np.linspace(-1.0, 1.0, 16, endpoint=False)
         ones = np.ones_like(along)
         x, y = np.concatenate([along, ones, -along, -ones]), np.concatenate([-ones, along, ones, -along])
-        seen, _ = self.seen(poses, height_m, tuple(zip(x.tolist(), y.tolist())))
+        seen, _ = self.seen(camera, poses, height_m, tuple(zip(x.tolist(), y.tolist())))
         level, image_xy = np.zeros(len(x), bool), np.stack([x, y], axis=1)
         return [
             Outline(lat, lon - pose_lon, level, image_xy, 0) if hit.all() else None
@@ -520,13 +514,13 @@ class ModelledRelief:
         if flown is None or self.mission.area.covers_ground:
             return layout
         lat, lon, height = layout.lat_deg, layout.lon_deg, flown.height_m
-        reach = _reaches(self.mission)[layout.column]
+        reach = _reaches(self.mission, (self.mission.camera,))[layout.column]
         lowest = _extremes(lowest_around, self._ground, lat, lon, (height - flown.ground_m) * reach)
         above = np.maximum(height - np.fmin(lowest, flown.ground_m), 1.0)
         tops = _extremes(highest_around, self._surface, lat, lon, above * reach)
         return layout._replace(agl_m=height - np.fmax(tops, flown.ground_m))
 
-    def figures(self, poses: Poses, flown: Flown | None, corners: Corners) -> ReliefFigures:
+    def figures(self, cameras: CaptureCameras, poses: Poses, flown: Flown | None, corners: Corners) -> ReliefFigures:
         """Figures of a flight with captures (n,) and image corners (n, 4)."""
         if flown is None:
             raise ValueError("a flight over relief without its heights")
@@ -538,11 +532,11 @@ class ModelledRelief:
             float(flown.seen_agl_m.min()),
             float(np.nanmax(flown.height_m - lowest)),
             float((flown.height_m - np.where(np.isfinite(near), near, flown.ground_m)).min()),
-            self._hidden_share(poses, flown.height_m, corners),
+            self._hidden_share(cameras, poses, flown.height_m, corners),
             self.filled,
         )
 
-    def _hidden_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:
+    def _hidden_share(self, cameras: CaptureCameras, poses: Poses, height_m: Floats, corners: Corners) -> float:
         """Share of the area's ground that relief hides from all images that contain it; 0 for points.
 
         Estimated from `_SAMPLES` points spread over the area.
@@ -550,7 +544,7 @@ class ModelledRelief:
         lat, lon, height = self._area_samples()
         candidates = _Candidates.near(lat, lon, poses, corners)
         pairs = candidates.pairs(np.arange(len(lat)), 0, len(height_m))
-        blocks = [self._containing(poses, height_m, (lat, lon, height), *some) for some in pairs]
+        blocks = [self._containing(cameras, poses, height_m, (lat, lon, height), *some) for some in pairs]
         if not blocks:
             return 0.0
         point, camera, vectors = (np.concatenate(parts) for parts in zip(*blocks))
@@ -574,7 +568,7 @@ class ModelledRelief:
         contained[point[held]] = True
         return float((contained & ~seen).sum() / max(len(lat), 1))
 
-    def missed_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:
+    def missed_share(self, cameras: CaptureCameras, poses: Poses, height_m: Floats, corners: Corners) -> float:
         """Share of the area's ground, without no-fly areas, that lies outside all images, whether hidden or not.
 
         Estimated from `_SAMPLES` points spread over the area, and as many along its edge.
@@ -590,7 +584,7 @@ class ModelledRelief:
         left, first, last = np.arange(len(lat)), 0, 16
         while len(left):
             for pairs in candidates.pairs(left, first, last):
-                missed[self._containing(poses, height_m, (lat, lon, height), *pairs)[0]] = False
+                missed[self._containing(cameras, poses, height_m, (lat, lon, height), *pairs)[0]] = False
             left = left[missed[left] & (candidates.counts[left] > last).any(axis=1)]
             first, last = last, 3 * last
         for polygon in self.mission.no_fly:
@@ -599,6 +593,7 @@ class ModelledRelief:
 
     def _containing(
         self,
+        cameras: CaptureCameras,
         poses: Poses,
         height_m: Floats,
         points: tuple[Floats, Floats, Floats],
@@ -611,8 +606,10 @@ class ModelledRelief:
         dlon = lon[point] - poses.lon_deg[camera]
         vectors = sight_lines(poses.lat_deg[camera], height_m[camera], lat[point], dlon)
         vectors += height[point, np.newaxis] * _normals_enu(poses.lat_deg[camera], lat[point], dlon)
-        attitude = (np.broadcast_to(angle, height_m.shape)[camera] for angle in poses.attitude)
-        image_xy, in_front = self.mission.camera.image_xy(vectors[:, np.newaxis], *attitude)
+        attitude = [np.broadcast_to(angle, height_m.shape)[camera] for angle in poses.attitude]
+        image_xy, in_front = cameras[camera].together(
+            lambda one, at: one.image_xy(vectors[at, np.newaxis], *(angle[at] for angle in attitude))
+        )
         held = (in_front & (np.abs(image_xy) <= 1.0).all(axis=-1))[:, 0]
         return point[held], camera[held], vectors[held]
 
@@ -707,11 +704,11 @@ def _pixel_range(at: Floats, count: int) -> slice:
 
 
 def _reach(mission: Mission) -> float:
-    """Greatest of `_reaches`."""
-    return float(_reaches(mission).max())
+    """Greatest of `_reaches`, of any lens that the images may have."""
+    return float(_reaches(mission, mission.varied.extreme_cameras(mission.camera)).max())
 
 
-def _reaches(mission: Mission) -> Floats:
+def _reaches(mission: Mission, cameras: tuple[Camera, ...]) -> Floats:
     """Distance, per metre of height, to which images see level ground: of each point (n,), or for an area (1,).
 
     The distance is measured from the point below the camera, and is at most `_MAX_TANGENT`.
@@ -723,7 +720,8 @@ def _reaches(mission: Mission) -> Floats:
         angles = [np.array([getattr(mission.attitude, f"{name}_deg")]) for name in ANGLES]
     # The yaw does not change the distance, and equal attitudes are computed once.
     (tilts, rolls), which = np.unique(np.stack(angles[1:]), axis=1, return_inverse=True)
-    cameras = (mission.camera, mission.camera.undistorted) if mission.varied.keep_undistorted else (mission.camera,)
+    if mission.varied.keep_undistorted:
+        cameras += tuple(one.undistorted for one in cameras)
     seen = [one.rays_enu(one.extremes.image_xy, np.zeros_like(tilts), tilts, rolls) for one in cameras]
     rays = np.concatenate(seen, axis=-2)
     with np.errstate(divide="ignore"):

@@ -187,6 +187,16 @@ def _no_mosaic(case: Case) -> None:
     case.follow("take a smaller margin", lambda: made(case.tmp_path / "other", smaller, source))
 
 
+@remedy("benchmark/planning.py", "vary {}: benchmarks have one camera; choose other fields")
+def _varied_lens(case: Case) -> None:
+    def planned(text: str) -> None:
+        queries = SETTINGS.queries.replace(vary=(text,))
+        plan_benchmark(replace(SETTINGS, queries=queries), {str(WORLD): open_source("world").grid})
+
+    case.refused(lambda: planned("fov_deg=uniform(60,80)"))
+    case.follow("choose other fields", lambda: planned("yaw_deg=uniform(-5,5)"))
+
+
 @remedy(
     "benchmark/planning.py",
     "reference of {} x {} m in pixels of {} m: more than {} px along a side or {} px; choose a smaller area, or "

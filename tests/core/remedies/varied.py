@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.report.measure import measure
 
 from tests.support.remedies import Case, remedy
 
@@ -25,14 +27,24 @@ def _without_bounds(case: Case) -> None:
     case.follow("add bounds, such as within(1,2)", lambda: vary("agl_m=normal(100,20)within(60,140)"))
 
 
-@remedy("mission/parts/varied.py", "vary {}: a mission has one lens; plan a mission for each lens")
-def _lens(case: Case) -> None:
-    case.refused(lambda: vary("fov_deg=choice(60,80)"))
-    lenses = [Camera(fov_deg) for fov_deg in (60.0, 80.0)]
+@remedy("mission/parts/varied.py", "vary {}: the images of a mission have one shape; plan a mission for each")
+def _shape(case: Case) -> None:
+    case.refused(lambda: vary("aspect_ratio=choice(1,2)"))
+    cameras = [Camera(aspect_ratio=ratio) for ratio in (1.0, 2.0)]
     case.follow(
-        "plan a mission for each lens",
-        lambda: [vary("agl_m=uniform(90,110)").replace(camera=lens) for lens in lenses],
+        "plan a mission for each",
+        lambda: [vary("agl_m=uniform(90,110)").replace(camera=camera) for camera in cameras],
     )
+
+
+@remedy("report/measure.py", "vary {}: methods are measured with one camera; choose other fields")
+def _measured(case: Case) -> None:
+    def measured(text: str) -> None:
+        source = open_source("world")
+        measure(plan(vary(text).replace(image_px=64), source.grid), source, quick=True)
+
+    case.refused(lambda: measured("k1=uniform(-0.1,0)"))
+    case.follow("choose other fields", lambda: measured("agl_m=uniform(90,110)"))
 
 
 @remedy(
