@@ -249,7 +249,7 @@ def test_files_for_other_programs_state_the_ideal_camera(tmp_path):
 def test_mosaics_of_twins_have_no_distortion(tmp_path):
     captured(twins(), tmp_path)
     frames = [place_images(tmp_path, name)[0] for name in ("satellite", "satellite_undistorted")]
-    assert [one.camera for one in frames] == [LENSES["barrel"], LENSES["barrel"].undistorted]
+    assert [one.cameras.of(0) for one in frames] == [LENSES["barrel"], LENSES["barrel"].undistorted]
 
 
 def test_twins_are_loaded_and_cleaned_in_pairs(tmp_path):
