@@ -449,7 +449,7 @@ def _fact_columns(rows: Sequence[Outcome]) -> dict[str, tuple[str, ...]]:
 
 def _lens_columns(cameras: CaptureCameras, at: NDArray[np.int64]) -> dict[str, tuple[str, ...]]:
     """Columns of lenses by header, as OpenCV defines their coefficients; none for lenses without distortion."""
-    if not any(one.distorts for one in cameras.distinct):
+    if not cameras.distort:
         return {}
     lenses = [cameras.of(index) for index in at.tolist()]
     stated = [{"lens": one.lens, **one.coefficients} for one in lenses]

@@ -47,6 +47,18 @@ class CaptureCameras:
             found = cls(tuple(made), np.array(number, np.intp))
         return found.undistorted if is_undistorted(map_type) else found
 
+    @classmethod
+    def joined(cls, parts: Sequence[tuple[CaptureCameras, int]]) -> CaptureCameras:
+        """Cameras of several missions with one camera, one after the other, and their numbers of captures."""
+        if not any(one.vary for one, _ in parts):
+            return parts[0][0]
+        distinct: tuple[Camera, ...] = ()
+        numbers = []
+        for one, count in parts:
+            numbers.append(len(distinct) + (np.zeros(count, np.intp) if one.number is None else one.number))
+            distinct += one.distinct
+        return cls(distinct, np.concatenate(numbers))
+
     @property
     def undistorted(self) -> CaptureCameras:
         """Cameras of the same focal lengths that do not distort."""
@@ -56,6 +68,11 @@ class CaptureCameras:
     def vary(self) -> bool:
         """Whether captures have lenses of their own."""
         return self.number is not None
+
+    @property
+    def distort(self) -> bool:
+        """Whether any of the cameras distorts."""
+        return any(one.distorts for one in self.distinct)
 
     def of(self, index: int) -> Camera:
         """Camera of a capture."""

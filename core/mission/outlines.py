@@ -171,7 +171,7 @@ def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
         # Near a pole, where the map does not reach, a straight edge misses the true one by an eighth of its turn.
         small &= np.ptp(lon, axis=1) < 0.5
     # Relief bends every edge, and so does a lens that distorts.
-    bends = plan.mission.camera.distorts or not plan.relief.is_level
+    bends = plan.cameras.distort or not plan.relief.is_level
     return np.asarray(small & hit.all(axis=1) & (plan.views.poles[part] == 0) & (not bends))
 
 

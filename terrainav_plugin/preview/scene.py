@@ -248,7 +248,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
 
 
 def _bulge(plan: Plan) -> float:
-    return _BENT_BULGE if plan.mission.camera.distorts else _BULGE
+    return _BENT_BULGE if plan.cameras.distort else _BULGE
 
 
 def _seen_in_crs(plan: Plan, windows: Rects) -> Rects:

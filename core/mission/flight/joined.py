@@ -20,6 +20,7 @@ from ...geodesy.mercator import wrap_lon_deg
 from ...text.ranges import ranges_text, read_ranges
 from ..areas.area import Box
 from ..estimate import duration_text, length_text
+from ..lenses import CaptureCameras
 from ..mission import Mission
 from ..parts import FIRST, Flight, Route, Terrain
 from ..plan import Plan
@@ -76,6 +77,11 @@ class JoinedPlan(Plan):
     def wrapped_left_px(self) -> Floats | Numbers:
         """Left edges of the windows, wrapped into the world, (n,)."""
         return np.concatenate([plan.wrapped_left_px for plan in self.plans])
+
+    @cached_property
+    def cameras(self) -> CaptureCameras:
+        """Cameras of the captures."""
+        return CaptureCameras.joined([(plan.cameras, len(plan)) for plan in self.plans])
 
     @cached_property
     def views(self) -> Any:
