@@ -2,13 +2,12 @@ r"""What other programs read from datasets that have every effect of a real came
 
     python benchmarks/realism_peers.py capture everything      # two lenses, 6 images each, in a minute or two
     python benchmarks/realism_peers.py loaders everything
-    python -m venv peers && peers/bin/pip install pycolmap==4.2.1 piexif==1.1.3
-    peers/bin/python benchmarks/realism_peers.py colmap everything
-    peers/bin/python benchmarks/realism_peers.py tags everything
+    .venv/peers/bin/python benchmarks/realism_peers.py colmap everything      # the environment of tools/setup.sh
+    .venv/peers/bin/python benchmarks/realism_peers.py tags everything
     python benchmarks/realism_peers.py nerfstudio everything   # where nerfstudio 1.1.5 is installed
     python benchmarks/realism_peers.py opendronemap everything --odm ODM --opensfm OpenSfM
 
-The folders are checkouts of OpenDroneMap/ODM, with the packages of its ``requirements.txt``, and of mapillary/OpenSfM,
+The last two need nothing of TerrAInav. The folders are checkouts of OpenDroneMap/ODM, with the packages of its ``requirements.txt``, and of mapillary/OpenSfM,
 compiled as its documentation says; their files run as they are. Each command prints the greatest errors beside what is
 allowed, and fails beyond that.
 
