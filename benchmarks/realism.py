@@ -515,6 +515,55 @@ def level_lens_picture(folder: Path) -> None:
     )
 
 
+def undistorted_costs() -> None:
+    """Drawing the undistorted twin of an image of level ground, beside OpenCV's bending of the image."""
+    from terrainav.core.picture.shot import Shot, draw
+
+    for name in UNDISTORTED:
+        made, pixels = _seen_above(LEVEL_LENSES[name], 640)
+
+        def drawn(of: Plan = made.undistorted, pixels: dict = pixels) -> object:
+            of.views.__dict__.pop("_kept_views", None)
+            return draw(Shot(of, 0), *pixels)
+
+        image = draw(Shot(made, 0), *pixels).pixels
+        show(f"undistorted twin, {name}", milliseconds(drawn), *cv(lambda image=image, made=made: _bent(image, made)))
+
+
+def undistorted_picture(folder: Path) -> None:
+    """Images of lenses, bent by OpenCV, and their undistorted twins."""
+    from terrainav.core.picture.shot import Shot, draw
+
+    crops = []
+    for name in UNDISTORTED:
+        made, pixels = _seen_above(LEVEL_LENSES[name], 248)
+        seen, twin = (draw(Shot(one, 0), *pixels).pixels[..., :3] for one in (made, made.undistorted))
+        crops += [Image.fromarray(one) for one in (seen, _bent(seen, made), twin)]
+    labels = ["image", "resampled by OpenCV", "undistorted twin"]
+    _sheet(crops, labels, 3, 1).save(folder / "realism-undistorted.jpg", quality=72, optimize=True)
+
+
+def _seen_above(camera: Camera, image_px: int) -> tuple[Plan, tuple[list, dict]]:
+    """Plan of one image of level ground with an undistorted twin, and the parts and pixels of both."""
+    from terrainav.core.mission.plan import plan
+    from terrainav.core.picture.shot import picture_parts
+
+    alone, source = _above(camera, image_px)
+    made = plan(alone.mission.replace(keep_undistorted=True), source.grid)
+    parts = picture_parts(made, source, 0)
+    return made, (parts, {part.window: source.fetch("satellite", part.window) for part in parts})
+
+
+def _bent(image: np.ndarray, made: Plan) -> np.ndarray:
+    """Undistort an image by OpenCV, with the camera matrix of its twin."""
+    camera, (height, width) = made.mission.camera, image.shape[:2]
+    focal = width / 2.0 / camera.half_tangents[0]
+    matrix = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
+    if camera.lens == "fisheye":
+        return cv2.fisheye.undistortImage(image, matrix, np.zeros(4), Knew=matrix)
+    return cv2.undistort(image, matrix, np.array([camera.k1, 0.0, 0.0, 0.0]))
+
+
 def _above(camera: Camera, image_px: int) -> tuple[Plan, Source]:
     """Plan of one image of level ground, and its source."""
     from terrainav.core.imagery.opening import open_source
@@ -586,6 +635,9 @@ LEVEL_LENSES = {
     "red +0.5 %, blue -0.5 %": Camera(60.0, 4.0 / 3.0, red_scale=5e-3, blue_scale=-5e-3),
 }
 
+#: Lenses whose images are shown with undistorted twins.
+UNDISTORTED = ("k1 = 0.3", "fisheye, 150°")
+
 #: Where the sun of pictures stands, and the tilts of the camera, 120 m above the edge of a town.
 SUN_SHOWN, SUN_TILTS, SUN_PLACE = ("off", "15 95", "60 180", "8 285"), (0.0, 45.0, 75.0), (35.1412, -89.8656)
 
@@ -647,6 +699,7 @@ def sunlight_picture(folder: Path) -> None:
 #: Costs and picture of each effect.
 EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
     "lens": (level_lens_costs, level_lens_picture),
+    "undistorted": (undistorted_costs, undistorted_picture),
     "lens over relief": (lens_costs, lens_picture),
     "sunlight": (sunlight_costs, sunlight_picture),
     "light": (light_costs, light_pictures),
