@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.polynomial import polyval2d, polyvander2d
 
-from ...arrays import Flags, Floats
+from ...arrays import Flags, Floats, Numbers
 from ...external.compiling import uses_numba
 from ..areas import plane_areas
 from ..mercator import PixelGrid, wrap_lon_deg
@@ -26,7 +26,7 @@ class Seen(NamedTuple):
     """Hits of rows of an image, from ``top`` on, on one surface.
 
     ``per_metre`` (2, 2) are columns and rows of the surface per metre eastward and northward; ``rays`` are those of the
-    rows.
+    rows. ``begun`` are rows, columns and heights of the pixels whose rays come in below the surface where it begins.
     """
 
     surface: Surface
@@ -34,6 +34,7 @@ class Seen(NamedTuple):
     per_metre: Floats
     rays: PixelRays
     top: int = 0
+    begun: tuple[Numbers, Numbers, Floats] | None = None
 
     def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Slopes of the surface eastward and northward, metres per metre, at columns and rows (n,)."""

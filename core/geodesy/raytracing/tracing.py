@@ -270,7 +270,7 @@ class Tracing:
             hits = surface.image_hits(paths, rays, spans, self.tolerance_px / 2.0, begins=begin_m > 0.0)
             seen = Seen(surface, hits, paths.forms[0][:2, :2], rays, top)
             if begin_m > 0.0 and before is not None:
-                self._drop_from_beneath(before, seen, paths, after)
+                seen = self._begun_above(before, seen, paths, after)
             unmet[top:bottom] &= np.isnan(hits.t)
             if self._face_hits is not None:
                 unmet &= self._face_hits.t > end_m / self._ways[0]
@@ -306,19 +306,20 @@ class Tracing:
         east, north, up = self.rays.components()
         return np.maximum(np.hypot(east, north), _LEAST), up
 
-    def _drop_from_beneath(self, before: Surface, seen: Seen, paths: Paths, after: Floats) -> None:
-        """Drop hits where a ring begins of rays that are also below the ground of the ring before."""
+    def _begun_above(self, before: Surface, seen: Seen, paths: Paths, after: Floats) -> Seen:
+        """Drop hits where a ring begins of rays that are also below the ground of the ring before; tell the others."""
         hits = seen.hits
         row, column = np.nonzero(hits.t == after)
         if not len(row):
-            return
+            return seen
         t = hits.t[row, column]
         at_column, at_row, height = paths.evaluate(seen.rays.through(row, column), t)
         ground = before.heights(*before.position(*seen.surface.places(at_column, at_row)))
         allowed = self.tolerance_px * self.rays.pixel * t
-        beneath = ~(height >= ground - allowed)
+        above = height >= ground - allowed
         for values in hits:
-            values[row[beneath], column[beneath]] = np.nan
+            values[row[~above], column[~above]] = np.nan
+        return seen._replace(begun=(row[above], column[above], height[above]))
 
     @cached_property
     def _reach(self) -> tuple[Floats, Floats, Floats]:
@@ -459,6 +460,8 @@ class Tracing:
             found.lat_deg[rows][at] = point_lat
             found.lon_deg[rows][at] = lon + wrap_lon_deg(point_lon - lon)
             found.height_m[rows][at] = one.surface.heights(column, row)
+            if one.begun is not None:
+                found.height_m[rows][one.begun[:2]] = one.begun[2]
             found.normals[rows][at] = relief_normals(*slopes)
             found.steep[rows][at] = np.hypot(*slopes) > STEEP
         if (faces := self._seen_faces) is not None:

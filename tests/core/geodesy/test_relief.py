@@ -398,3 +398,24 @@ def test_rings_are_seen_as_a_march_over_them_does(agl, tilt):
                 assert abs(over[at]) <= bound[at] or (number and t_found == pytest.approx(begin))
             if len(below):
                 break
+
+
+def test_points_where_a_ring_begins_lie_on_their_rays():
+    """A ray that comes in below a ring's surface meets the ring's edge, at its own height."""
+    lat, lon, height, tolerance_px = 47.3, 8.2, 360.0, 0.02
+    pose = Poses(*(np.array([at]) for at in (lat, lon, 40.0, 40.0, 78.0, 2.0)))
+    tracing = Tracing(ImageGeometry(CAMERA, 192, 144, pose), height, Town(), 280.0, tolerance_px)
+    seen, rings = tracing.sighting, list(tracing.rings())
+    row, column = np.nonzero(np.isfinite(seen.depth_m))
+    t = seen.depth_m[row, column]
+    directions = tracing.rays.through(row, column)
+    x, y, h = on_earth(rings[0].surface, lat, lon, height, t[:, np.newaxis] * directions)
+    steep = 1.0 + max(np.abs(np.diff(one.surface.heights_m, axis=axis)).max() for one in rings for axis in (0, 1))
+    bound = 2.0 * tolerance_px * tracing.rays.pixel * t * steep + 1e-6
+    assert (np.abs(seen.height_m[row, column] - h) <= bound).all()
+    begin = np.array([ring.begin_m for ring in rings[1:]])
+    at_edge = np.isclose(t * np.hypot(*directions[:, :2].T), begin[:, np.newaxis], rtol=1e-12).any(axis=0)
+    assert at_edge.sum() > 5
+    # Elsewhere, heights are those of the surface, off by the error along the ray.
+    off_px = np.abs(seen.height_m[row, column] - h) / (tracing.rays.pixel * t)
+    assert off_px[at_edge].max() < 1e-3
