@@ -409,7 +409,7 @@ def test_points_where_a_ring_begins_lie_on_their_rays():
     row, column = np.nonzero(np.isfinite(seen.depth_m))
     t = seen.depth_m[row, column]
     directions = tracing.rays.through(row, column)
-    x, y, h = on_earth(rings[0].surface, lat, lon, height, t[:, np.newaxis] * directions)
+    h = on_earth(rings[0].surface, lat, lon, height, t[:, np.newaxis] * directions)[2]
     steep = 1.0 + max(np.abs(np.diff(one.surface.heights_m, axis=axis)).max() for one in rings for axis in (0, 1))
     bound = 2.0 * tolerance_px * tracing.rays.pixel * t * steep + 1e-6
     assert (np.abs(seen.height_m[row, column] - h) <= bound).all()
