@@ -184,7 +184,7 @@ def _read_features(planned: PlannedMission, overtaken: Callable[[], bool]) -> Pl
         return read_features(planned.plan)
 
 
-def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
+def _time(planned: PlannedMission, overtaken: Callable[[], bool]) -> str:
     """Time the methods of a plan. Runs on the planner's thread."""
     from ..core.picture.cost import timed_cost
     from .sources import mission_bands
@@ -195,4 +195,5 @@ def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
         return tr("not timed, as the images are large")
     # Use a copy of the plan: the views that it caches belong to the capture.
     bands = mission_bands(plan.mission)
-    return timed_cost(replace(plan), bands).text(planned.plans.images)
+    with cancellable(overtaken):
+        return timed_cost(replace(plan), bands).text(planned.plans.images)

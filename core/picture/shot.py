@@ -17,6 +17,7 @@ from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
 from ..mission.takes import Timing
+from ..waiting import check_cancelled
 from .camera_frame import parts_of_tiles, render
 from .map_frame import assemble, capture_window, turned
 from .painting import lit_colours, paint
@@ -98,6 +99,8 @@ class Take:
     @property
     def tiles(self) -> set[tuple[int, int, int]]:
         """Zoom, column (not wrapped) and row of each tile that the rows show."""
+        # A picture in motion has hundreds of takes.
+        check_cancelled()
         return set(self.view.tiles(self.lon_deg)).union(*(other.tiles for other in self.others.values()))
 
     def forget(self) -> None:
@@ -114,6 +117,7 @@ class Take:
 
     def draw(self, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands) -> PixelValues:
         """Draw the rows, as `camera_frame.render` does."""
+        check_cancelled()
         kernel = self.plan.mission.accuracy.resampling
         picture = render(self.view, self.lon_deg, parts, pixels, kernel, bands)
         if self.painted is not None:

@@ -15264,8 +15264,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>
-        <source>Mean over the pixel's area</source>
-        <translation>Media del área del píxel</translation>
+        <source>Mean over the area</source>
+        <translation>Media del área</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>

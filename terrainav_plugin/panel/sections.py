@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
-from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtCore import QRect, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QCompleter, QLabel, QLineEdit, QMenu, QWidget
 
 from ...core.fields import declared_fields
@@ -435,13 +435,19 @@ def _entry(name: str) -> QWidget:
     names = QCompleter([*(one.name for one in shipped_sensors()), CUSTOM], line)
     names.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
     names.setFilterMode(Qt.MatchFlag.MatchContains)
-    # The entry is narrower than names.
-    names.popup().setMinimumWidth(max(map(line.fontMetrics().horizontalAdvance, names.model().stringList())) + 20)
+    names.popup().setTextElideMode(Qt.TextElideMode.ElideMiddle)
     line.setCompleter(names)
+    wide = max(map(line.fontMetrics().horizontalAdvance, names.model().stringList())) + 20
+
+    def list_all() -> None:
+        names.setCompletionPrefix("")
+        # The entry is narrower than names, and often at the right edge of the screen.
+        names.complete(QRect(line.width() - wide, 0, wide, line.height()))
+
     arrow = QgsApplication.getThemeIcon("/mActionArrowDown.svg")
     every = line.addAction(arrow, QLineEdit.ActionPosition.TrailingPosition)
     every.setToolTip(tr("List the image sensors"))
-    every.triggered.connect(lambda: (names.setCompletionPrefix(""), names.complete()))
+    every.triggered.connect(list_all)
     return line
 
 

@@ -53,7 +53,7 @@ class CameraOptics(CheckedFields):
         help="how pixels of camera frames are taken from the imagery: zoom interpolates it at the zoom that suits the "
         "pixel, and averages up to 8 samples of slanted ground; area averages all that the pixel covers, in linear "
         "light, from finer zooms: without aliases far away, with more tiles",
-        choices={ZOOM: "Interpolated", AREA: "Mean over the pixel's area"},
+        choices={ZOOM: "Interpolated", AREA: "Mean over the area"},
         advanced=True,
     )
     mtf50: float | None = declared(
