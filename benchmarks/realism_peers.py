@@ -1,15 +1,15 @@
 r"""What other programs read from datasets that have every effect of a real camera.
 
-    python benchmarks/realism_peers.py capture everything      # two lenses, 6 images each, in a minute or two
+    python benchmarks/realism_peers.py capture everything      # 18 images and as many twins, in some minutes
     python benchmarks/realism_peers.py loaders everything
     .venv/peers/bin/python benchmarks/realism_peers.py colmap everything      # the environment of tools/setup.sh
     .venv/peers/bin/python benchmarks/realism_peers.py tags everything
     python benchmarks/realism_peers.py nerfstudio everything   # where nerfstudio 1.1.5 is installed
     python benchmarks/realism_peers.py opendronemap everything --odm ODM --opensfm OpenSfM
 
-The last two need nothing of TerrAInav. The folders are checkouts of OpenDroneMap/ODM, with the packages of its ``requirements.txt``, and of mapillary/OpenSfM,
-compiled as its documentation says; their files run as they are. Each command prints the greatest errors beside what is
-allowed, and fails beyond that.
+The last two need nothing of TerrAInav. The folders are checkouts of OpenDroneMap/ODM, with the packages of its
+``requirements.txt``, and of mapillary/OpenSfM, compiled as its documentation says; their files run as they are. Each
+command prints the greatest errors beside what is allowed, and fails beyond that.
 
 Points of `EXPECTED` are where TerrAInav says that pixels look: on their rays, and on the ground by the product
 ``points``, whose rows have poses of their own. Programs project them by the exported cameras and poses alone.
@@ -38,12 +38,16 @@ EVERYTHING = """
 --motion-blur --row-time-us 40 --image-sensor custom --pixel-um 3.45 --quantum-efficiency 0.64 --full-well-e 10400
 --read-noise-e 2.1 --dark-current-e-per-s 2 --dsnu-e 1 --prnu 0.01 --bayer rggb --demosaicing malvar
 --red-scale 0.001 --blue-scale -0.001 --principal-x 0.02 --principal-y -0.015 --start 2024-06-21T15:00:00Z
+--keep-clean --keep-undistorted --format jpg --products raw points
 --vary white_balance_k=uniform(4500,7500) visibility_km=loguniform(2,20) exposure_ms=lognormal(2,0.3)within(1,4)
-tilt_deg=uniform(10,25) --keep-clean --keep-undistorted --format jpg --products raw points
+tilt_deg=uniform(10,25)
 """.split()
+BROWN = "--k1 -0.2 --k2 0.05 --k3 -0.01 --p1 0.002 --p2 -0.001".split()
+#: What follows `EVERYTHING`; each of the varied images has a lens of its own.
 LENSES = {
-    "brown": "--k1 -0.2 --k2 0.05 --k3 -0.01 --p1 0.002 --p2 -0.001".split(),
+    "brown": BROWN,
     "fisheye": "--lens fisheye --k1 0.02 --k2 -0.01 --k3 0.002".split(),
+    "varied": ["fov_deg=uniform(62,78)", "k1=uniform(-0.25,-0.15)", *BROWN],
 }
 #: Images of each capture whose cameras are compared.
 MAP_TYPES = "satellite", "satellite_undistorted"
@@ -95,7 +99,7 @@ class Expected(NamedTuple):
     Attributes
     ----------
     names : array (n,) of str
-    ray_px, seen_m, ray_m : array (k, 2), (k, 3), (n, k, 3)
+    ray_px, seen_m, ray_m : array (k, 2), (n, k, 3), (n, k, 3)
         Points on the pixels' rays, in the axes of the camera (right, down, view) and in the frame.
     ground_px, ground_m : array (j, 2), (n, j, 3)
         Points on the ground, moved as the camera moves from the time of their row to that of the image; j is 0 for
@@ -145,7 +149,7 @@ def capture(folder: Path) -> None:
             run("export", str(images.folder), str(images.exports / kind), *asked)
         np.savez(images.exports / EXPECTED, **_expected(images)._asdict())
     shards = "--layout-of-files", "webdataset"
-    run("capture", *EVERYTHING, *LENSES["brown"], *shards, "--data-dir", str(folder / "shards"))
+    run("capture", *EVERYTHING, *BROWN, *shards, "--data-dir", str(folder / "shards"))
 
 
 def _expected(images: ImageSet) -> Expected:
@@ -156,10 +160,11 @@ def _expected(images: ImageSet) -> Expected:
     size = np.array([views.width_px[0], views.height_px[0]], float)
     rng = np.random.default_rng(1)
     ray_px = rng.uniform(0.0, 1.0, (200, 2)) * size
-    rays = views.camera.rays_enu((ray_px - size / 2.0) / (size / (2.0, -2.0)))
+    cameras = [views.cameras.of(at) for at in range(len(views))]
+    rays = np.stack([camera.rays_enu((ray_px - size / 2.0) / (size / (2.0, -2.0))) for camera in cameras])
     # A camera that looks straight down with north at its top has its axes to the east, south and down.
     seen_m = rays * (1.0, -1.0, -1.0) * rng.uniform(5.0, 500.0, (200, 1))
-    ray_m = np.einsum("nji,kj->nki", views.rotations, seen_m) + views.centres_m[:, np.newaxis]
+    ray_m = np.einsum("nji,nkj->nki", views.rotations, seen_m) + views.centres_m[:, np.newaxis]
     ground = _ground(images, views) if images.map_type == "satellite" else (np.zeros((0, 2)), ray_m[:, :0])
     return Expected(np.array(views.names), ray_px, seen_m, ray_m, *ground)
 
@@ -288,7 +293,7 @@ def opendronemap(folder: Path, odm: Path, opensfm: Path) -> None:
             camera = cameras[photo.camera_id()]
             # OpenSfM counts from the middle of the image in units of its longer side.
             size = np.array([camera.width, camera.height])
-            seen = camera.project_many(expected.seen_m) * size.max() + size / 2.0
+            seen = camera.project_many(expected.seen_m[at]) * size.max() + size / 2.0
             off_px[at] = np.abs(seen - expected.ray_px).max()
         what = f"OpenDroneMap and OpenSfM, {images.name}, {camera.projection_type}, {len(off_px)} images"
         check(f"{what}, points on rays", off_px.max(), SIX_DIGITS_PX)
