@@ -166,12 +166,8 @@ class Mission:
                 remedy=Message("choose another exposure{0}", OptionName("exposure").in_brackets),
             )
         _check_varied(parts)
-        if parts["varied"].keep_undistorted and parts["camera"].is_ideal:
-            raise InvalidInput(
-                "undistorted images: the lens does not distort, so they would be the images themselves",
-                field="keep_undistorted",
-                remedy="choose a lens with distortion, or leave them out",
-            )
+        if parts["varied"].keep_undistorted:
+            _check_distortion(parts["varied"].extreme_cameras(parts["camera"]))
         if RAW in parts["output"].products:
             _check_raw(parts["sensor"], parts["output"])
         exposure = parts["exposure"].exposure
@@ -214,7 +210,8 @@ class Mission:
             return (self,)
         ends = [(one.field, value) for one, value in self.varied.extremes()]
         cameras = self.varied.extreme_cameras(self.camera)
-        return tuple(self.replace(vary=(), camera=cameras[-at], **dict(ends[at::2])) for at in (0, 1))
+        fixed = self.replace(vary=(), keep_undistorted=False)
+        return tuple(fixed.replace(camera=cameras[-at], **dict(ends[at::2])) for at in (0, 1))
 
     @property
     def moves_poses(self) -> bool:
@@ -349,6 +346,16 @@ def _refusing_variation(text: str) -> Iterator[None]:
         yield
     except InvalidInput as wrong:
         raise InvalidInput("vary {0!r}: {1}", text, wrong, field="vary") from wrong
+
+
+def _check_distortion(cameras: tuple[Camera, ...]) -> None:
+    """Refuse undistorted images of cameras none of which distorts."""
+    if all(camera.is_ideal for camera in cameras):
+        raise InvalidInput(
+            "undistorted images: the lens does not distort, so they would be the images themselves",
+            field="keep_undistorted",
+            remedy="choose a lens with distortion, or leave them out",
+        )
 
 
 def _check_raw(sensor: ImageSensor, output: Output) -> None:

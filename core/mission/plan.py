@@ -271,7 +271,7 @@ class Plan:
         if not (varied.of_camera or self.cameras.vary):
             return self.mission
         drawn = varied.draw(self.mission.imagery.seed, self.names[index])
-        return self.mission.replace(vary=(), camera=self.camera(index), **drawn)
+        return self.mission.replace(vary=(), keep_undistorted=False, camera=self.camera(index), **drawn)
 
     @cached_property
     def views(self) -> CameraViews:

@@ -223,6 +223,24 @@ def test_random_values_are_those_of_the_image(tmp_path):
     assert table_of(tmp_path / "lens").other["visibility_km"] == real.other["visibility_km"]
 
 
+def test_lenses_that_vary_have_twins_of_their_focal_length(tmp_path):
+    """Also where some images, or the mission's own lens, do not distort."""
+    values = {"visibility_km": 5.0, **TURNS}
+    made = twins(Camera(60.0), vary=("k1=choice(0,-0.2)", "fov_deg=uniform(50,70)"), seed=4, **values)
+    captured(made, tmp_path / "lens")
+    distorts = [made.camera(index).distorts for index in range(len(made))]
+    assert {*distorts} == {False, True}
+    twin, real = (pixels(tmp_path / "lens", name) for name in ("satellite_undistorted", "satellite"))
+    for index, (place, is_distorted) in enumerate(zip(PLACES, distorts)):
+        ideal = made.camera(index).undistorted
+        folder = captured(planned(ideal, area=Points((place,)), **values), tmp_path / str(index))
+        (wanted,) = pixels(folder, "satellite")
+        np.testing.assert_array_equal(twin[index], wanted)
+        assert (twin[index] != real[index]).any() == is_distorted
+    assert "k1" not in table_of(tmp_path / "lens").other
+    np.testing.assert_array_equal(table_of(tmp_path / "lens").fx_px, table_of(tmp_path / "lens", "satellite").fx_px)
+
+
 def test_files_for_other_programs_state_the_ideal_camera(tmp_path):
     camera = LENSES["off centre"]
     captured(twins(camera, image_format="jpg"), tmp_path)
