@@ -19,7 +19,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.imagery.source import Source
 from terrainav.core.mission.plan import Plan
@@ -133,23 +133,25 @@ def light_pictures(folder: Path) -> None:
                 *({**ahead, **manual, "visibility_km": 15.0, "exposure_ms": ms} for ms in (0.4, 0.8, 1.6)),
                 {**ahead, "exposure": "time", "visibility_km": 15.0},
             ],
-            lambda facts: f"{facts['exposure']}, {float(facts['exposure_ms']):.3g} ms",
+            lambda facts: (
+                f"{'metered' if facts['exposure'] == 'time' else 'set'}: {float(facts['exposure_ms']):.3g} ms"
+            ),
         ),
         "white-balance": (
             [{**above, **manual, "white_balance_k": kelvin} for kelvin in (3200.0, 4500.0, 6504.0, 9000.0)],
-            lambda facts: f"{float(facts['white_balance_k']):,.0f} K",
+            lambda facts: f"balanced for {float(facts['white_balance_k']):,.0f} K",
         ),
         "tone": (
             [{**above, **manual, "tone": tone} for tone in ("srgb", "linear", "filmic")],
-            lambda facts: facts.get("tone", "srgb"),
+            lambda facts: f"tone {facts.get('tone', 'srgb')}",
         ),
         "vignetting": (
             [{**above, "fov_deg": 95.0, "agl_m": 220.0, "vignetting": one} for one in ("none", "cos4", "-0.8 0.2")],
-            lambda facts: facts.get("vignetting", "none"),
+            lambda facts: f"vignetting {facts.get('vignetting', 'none')}",
         ),
         "haze": (
             [ahead, *({**ahead, "visibility_km": km} for km in (20.0, 4.0, 1.0))],
-            lambda facts: f"{float(facts['visibility_km']):g} km" if "visibility_km" in facts else "clear",
+            lambda facts: f"visibility {float(facts['visibility_km']):g} km" if "visibility_km" in facts else "clear",
         ),
     }
     for name, (missions, label) in series.items():
@@ -236,7 +238,8 @@ def sampling_picture(folder: Path) -> None:
         pictures = (Image.fromarray(np.rint(255.0 * encoded(one)).astype(np.uint8)) for one in (*drawn, exact))
         crops += [one.convert("RGB").crop(box) for one in pictures]
     labels = ["by zoom", "by area", "exact means"]
-    sheets = [_sheet(some, labels, 3) for some in (crops[:3], crops[3:])]
+    # The rows differ in height.
+    sheets = [_sheet(crops[:3], labels, 3), _sheet(crops[3:], [f"tilt 85°, {one}" for one in labels], 3)]
     sheet = Image.new("RGB", (sheets[0].width, sum(one.height + 4 for one in sheets)), "white")
     sheet.paste(sheets[0])
     sheet.paste(sheets[1], (0, sheets[0].height + 4))
@@ -309,8 +312,8 @@ def sensor_picture(folder: Path) -> None:
                 capture(plan(mission, source.grid), source, made)
                 (path,) = Path(made).glob("satellite/*.tif")
                 crops.append(Image.open(path).convert("RGB").crop(CROP))
-    labels = [f"ISO {iso:,}, {150.0 / iso:.2g} ms" for iso in SPEEDS]
-    _sheet(crops, labels, len(SPEEDS)).save(folder / "realism-sensor.jpg", quality=70, optimize=True)
+    labels = [f"{more}ISO {iso:,}, {150.0 / iso:.2g} ms" for more in ("", "Bayer, ") for iso in SPEEDS]
+    _sheet(crops, labels, len(SPEEDS)).save(folder / "realism-sensor.jpg", quality=66, optimize=True)
 
 
 #: Speeds of the crops of the sensor, of which each exposes for as much less time; and what they show of the image.
@@ -319,16 +322,15 @@ CROP = 440, 110, 544, 214
 
 
 def _sheet(crops: list[Image.Image], labels: list[str], columns: int, times: int = 2) -> Image.Image:
-    """Crops in rows, enlarged, below the labels of their columns."""
+    """Crops in rows, enlarged, each below its label."""
     width, height = (times * side for side in crops[0].size)
-    rows, gap, head = -(-len(crops) // columns), 4, 16
-    sheet = Image.new("RGB", (columns * (width + gap) - gap, head + rows * (height + gap) - gap), "white")
-    pen = ImageDraw.Draw(sheet)
-    for column, label in enumerate(labels):
-        pen.text((column * (width + gap) + 2, 2), label, fill="black")
-    for number, crop in enumerate(crops):
-        at = number % columns * (width + gap), head + number // columns * (height + gap)
-        sheet.paste(crop.resize((width, height), Image.Resampling.NEAREST), at)
+    rows, gap, head = -(-len(crops) // columns), 4, 22
+    sheet = Image.new("RGB", (columns * (width + gap) - gap, rows * (head + height + gap) - gap), "white")
+    pen, font = ImageDraw.Draw(sheet), ImageFont.truetype("DejaVuSans.ttf", 14)
+    for number, (crop, label) in enumerate(zip(crops, labels)):
+        left, top = number % columns * (width + gap), number // columns * (head + height + gap)
+        pen.text((left + 2, top + 3), label, fill="black", font=font)
+        sheet.paste(crop.resize((width, height), Image.Resampling.NEAREST), (left, top + head))
     return sheet
 
 
@@ -389,8 +391,11 @@ def varied_picture(folder: Path) -> None:
         tables = [sets[name] for name in ("satellite", "satellite_clean")]
         crops = [Image.open(one.folder / name).convert("RGB") for one in tables for name in one.table.img_names]
         stated = [sets["satellite"].table.other[name] for name in ("exposure_ms", "white_balance_k", "visibility_km")]
-        labels = [f"{float(ms):.2g} ms, {float(kelvin):,.0f} K, {float(km):.2g} km" for ms, kelvin, km in zip(*stated)]
-    _sheet(crops, labels, len(labels), 1).save(folder / "realism-varied.jpg", quality=75, optimize=True)
+        stated_texts = [
+            f"{float(ms):.2g} ms, {float(kelvin):,.0f} K, {float(km):.2g} km" for ms, kelvin, km in zip(*stated)
+        ]
+    labels = [*stated_texts, *("clean" for _ in stated_texts)]
+    _sheet(crops, labels, len(stated_texts), 1).save(folder / "realism-varied.jpg", quality=75, optimize=True)
 
 
 def moving(**values: object) -> Plan:
@@ -463,8 +468,8 @@ def shutter_picture(folder: Path) -> None:
     images = {
         "global shutter, at rest": moving(),
         "20 m/s, 60 ms": moving(motion_blur=True, exposure_ms=60.0),
-        "20 m/s, 200 us a row": moving(row_time_us=200.0),
-        "turning by 60 deg/s": moving(row_time_us=200.0, yaw_deg=60.0),
+        "20 m/s, 200 µs a row": moving(row_time_us=200.0),
+        "turning by 60°/s": moving(row_time_us=200.0, yaw_deg=60.0),
     }
     crops = [Image.fromarray(drawn(made)).resize((304, 228)) for made in images.values()]
     _sheet(crops, list(images), len(crops), 1).save(folder / "realism-shutter.jpg", quality=72, optimize=True)
@@ -692,8 +697,9 @@ def sunlight_picture(folder: Path) -> None:
                 capture(plan(mission, source.grid, mission_heights(mission)), source, made)
                 image = Image.open(next(Path(made).rglob("*.png"))).convert("RGB")
                 crops.append(image.resize((208, 156), Image.Resampling.LANCZOS))
-    labels = ["off", *(f"height and azimuth {sun}" for sun in SUN_SHOWN[1:])]
-    _sheet(crops, labels, len(SUN_SHOWN), 1).save(folder / "realism-sun.jpg", quality=64, optimize=True)
+    suns = ["no sun", *("sun {}° high at {}°".format(*sun.split()) for sun in SUN_SHOWN[1:])]
+    labels = [f"tilt {tilt:g}°, {suns[0]}" if sun == suns[0] else sun for tilt in SUN_TILTS for sun in suns]
+    _sheet(crops, labels, len(SUN_SHOWN), 1).save(folder / "realism-sun.jpg", quality=56, optimize=True)
 
 
 #: Costs and picture of each effect.
