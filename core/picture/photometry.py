@@ -96,7 +96,7 @@ class PointSpread:
         shot = light.scene.shot
         hidden = shot.hidden if isinstance(shot, Shot) else None
         spread_light(light.values, contrast, None if hidden is None else ~hidden)
-        light.facts["mtf50"] = half_contrast(contrast)
+        light.facts["mtf50"] = float(f"{half_contrast(contrast):.6g}")
 
 
 @dataclass(frozen=True)
