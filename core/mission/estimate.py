@@ -394,6 +394,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
             *upsampling_warnings(plan),
             *interval_warnings(plan),
             *building_warnings(plan),
+            *lens_warnings(plan),
             *variation_warnings(plan),
         ),
         **relief,
@@ -554,6 +555,13 @@ def building_warnings(plan: Plan) -> tuple[str, ...]:
     # Level ground without buildings in any image has no heights.
     stand = plan.mission.terrain.buildings and not plan.relief.is_level
     return plan.relief.heights.faces.warnings if stand else ()
+
+
+def lens_warnings(plan: Plan) -> tuple[str, ...]:
+    """Warn of lenses that OpenDroneMap cannot tell apart: it knows cameras by focal length and image size alone."""
+    if plan.mission.output.image_format != "jpg" or not (plan.cameras.vary and plan.cameras.distort):
+        return ()
+    return (Message("cameras.json for OpenDroneMap is empty where different lenses have one focal length"),)
 
 
 def variation_warnings(plan: Plan) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.products import sighting
 
 from tests.support import rasters
 from tests.support.command import command
@@ -52,7 +53,7 @@ def captured(tmp_path_factory):
     return captured_with(Camera(), tmp_path_factory.mktemp("captured"))
 
 
-def captured_with(camera: Camera, folder: Path) -> Path:
+def captured_with(camera: Camera, folder: Path, **more) -> Path:
     x, y = rasters.centres(PLACED, SIDE, SIDE)
     source = open_source(
         str(rasters.write(folder / "places.tif", rasters.position_colours(x - WEST, NORTH - y), PLACED, EPSG))
@@ -71,6 +72,7 @@ def captured_with(camera: Camera, folder: Path) -> Path:
         image_px=90,
         image_format="png",
         mesh="rays",
+        **more,
     )
     capture(plan(mission, source.grid), source, folder / "out")
     return folder / "out"
@@ -180,6 +182,67 @@ def test_lenses_that_distort(lens, tmp_path):
     stated = {name: document[name] for name in document if name[0] in "kp"}
     assert stated == {name: getattr(camera, name) for name in stated}
     assert {name for name in ("k1", "k2", "k3", "k4", "p1", "p2") if getattr(camera, name)} <= set(stated)
+
+
+VARIED = {
+    "brown": (
+        Camera(70.0, k2=0.05),
+        "k1=uniform(-0.2,0.05)",
+        "p2=uniform(-0.002,0.002)",
+        "principal_x=choice(-0.04,0.04)",
+    ),
+    "zoom": (Camera(70.0, k1=-0.1, k3=0.01), "fov_deg=uniform(55,80)", "principal_y=uniform(-0.03,0.03)"),
+    "fisheye": (LENSES["fisheye"][0], "k1=uniform(-0.02,0.03)", "fov_deg=uniform(80,95)"),
+}
+
+
+@pytest.mark.parametrize("lens", VARIED)
+def test_lenses_that_vary(lens, tmp_path):
+    """Each image has its camera: colours of the ground, and its points, are where OpenCV projects them."""
+    cv2 = pytest.importorskip("cv2")
+    camera, *texts = VARIED[lens]
+    captured = captured_with(camera, tmp_path, vary=tuple(texts))
+    folder = export(Views.read(captured), tmp_path / "model", "colmap") / "sparse" / "0"
+    cameras = {}
+    for line in (folder / "cameras.txt").read_text().splitlines()[1:]:
+        number, model, _, _, *parameters = line.split()
+        cameras[number] = model, [float(one) for one in parameters]
+    assert len(cameras) == len(Views.read(captured)) > 5
+    place, axes = origin_of(tmp_path / "model")
+    mission = Mission.load(captured / "mission.json")
+    made = plan(mission, open_source(str(tmp_path / "places.tif")).grid)
+    table = Table.load(captured / "satellite" / "meta_data.csv")
+    document = json.loads(
+        (export(Views.read(captured), tmp_path / "nerf", "nerfstudio") / "transforms.json").read_text()
+    )
+    assert not [name for name in document if name[0] in "kp"]
+    frames = {Path(one["file_path"]).name: one for one in document["frames"]}
+    for line in (folder / "images.txt").read_text().splitlines()[1::2]:
+        _, *numbers, number, name = line.split()
+        model, parameters = cameras[number]
+        w, x, y, z, *shift = map(float, numbers)
+        rotation = Rotation.from_quat([x, y, z, w]).as_matrix()
+        image = captured / "satellite" / name
+        check_colours(image, parameters, rotation.T, -rotation.T @ shift, (place, axes), model)
+        index = made.names.index(image.stem)
+        seen = sighting(made, index, made.views.size_px(index))
+        some = (slice(3, None, 9), slice(3, None, 9))
+        lat, lon, height = (np.asarray(one[some]).ravel() for one in (seen.lat_deg, seen.lon_deg, seen.height_m))
+        world = (np.stack(TO_ECEF.transform(lon, lat, height), axis=1) - place) @ axes
+        project = cv2.fisheye.projectPoints if model == "OPENCV_FISHEYE" else cv2.projectPoints
+        fx, fy, cx, cy, *distortion = parameters
+        matrix = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+        turn, _ = cv2.Rodrigues(rotation)
+        found, *_ = project(world[:, np.newaxis], turn, np.array(shift), matrix, np.array(distortion))
+        rows, columns = np.mgrid[: seen.lat_deg.shape[0], : seen.lat_deg.shape[1]]
+        wanted = np.stack([columns[some].ravel() + 0.5, rows[some].ravel() + 0.5], axis=1)
+        assert np.abs(found[:, 0] - wanted).max() < 0.01
+        # What the table and nerfstudio state of the image.
+        own, row = made.camera(index), table.img_names.index(name)
+        for variation in mission.varied.of_lens:
+            assert float(table.other[variation.field][row]) == getattr(own, variation.field)
+        assert float(table.other["k1"][row]) == frames[name]["k1"] == own.k1
+        assert [frames[name][one] for one in ("fl_x", "fl_y", "cx", "cy")] == parameters[:4]
 
 
 def test_nerfstudio(captured, tmp_path):

@@ -166,6 +166,32 @@ def test_values_of_the_camera_have_the_distributions_that_were_asked_for():
         assert stats.kstest([values[name] for values in drawn], known.cdf).pvalue > 0.01
 
 
+def test_lenses_have_the_distributions_that_were_asked_for():
+    stats = pytest.importorskip("scipy.stats")
+    made = planned("k1=normal(0,0.02)within(-0.06,0.06)", "fov_deg=uniform(60,70)", "red_scale=uniform(0,0.01)")
+    drawn = [made.drawn(index) for index in range(2000)]
+    for name, known in (
+        ("k1", stats.truncnorm(-3.0, 3.0, 0.0, 0.02)),
+        ("fov_deg", stats.uniform(60.0, 10.0)),
+        ("red_scale", stats.uniform(0.0, 0.01)),
+    ):
+        assert stats.kstest([values[name] for values in drawn], known.cdf).pvalue > 0.01
+
+
+def test_rows_are_those_of_the_missions_camera():
+    given = {"area": Box(47.402, 8.50, 47.40, 8.503), "camera": Camera(60.0), "frame": "camera"}
+    made, still = planned("fov_deg=uniform(50,75)", "k1=uniform(-0.1,0)", **given), planned(**given)
+    for one, other in zip(made.poses, still.poses):
+        np.testing.assert_array_equal(one, other)
+    assert made.coverage.share < still.coverage.share == 1.0
+    part = made.part(np.array([4, 2]))
+    assert [part.camera(0), part.camera(1)] == [made.camera(4), made.camera(2)]
+    assert still.camera(3) is still.mission.camera
+    own = made.camera(2)
+    assert own == Camera(made.drawn(2)["fov_deg"], k1=made.drawn(2)["k1"])
+    assert planned("k1=choice(0.1)", **given).frames.on_map is False
+
+
 def test_the_camera_of_an_image_has_its_values():
     made = planned("exposure_ms=lognormal(4,0.5)", "read_noise_e=uniform(1,9)", "east_m=uniform(-1,1)", **SENSOR)
     for index in (0, 7, 1000):
