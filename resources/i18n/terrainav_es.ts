@@ -8411,6 +8411,12 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
+        <location filename="../../core/report/measure.py"/>
+        <source>choose other fields</source>
+        <translation>elija otros campos</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
         <source>intersection over union {0} and {1}: must be above 0, up to 1, and the first not below the second</source>
         <translation>intersección sobre unión {0} y {1}: deben ser mayores que 0, hasta 1, y la primera no menor que la segunda</translation>
     </message>
@@ -8489,6 +8495,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/benchmark/planning.py"/>
         <source>tilt less, or take a narrower camera</source>
         <translation>incline menos, o tome una cámara más estrecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>vary {0!r}: benchmarks have one camera</source>
+        <translation>vary {0!r}: los bancos de pruebas tienen una sola cámara</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
@@ -12849,6 +12860,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>cameras.json for OpenDroneMap is empty where different lenses have one focal length</source>
+        <translation>cameras.json para OpenDroneMap queda vacío si lentes distintas tienen la misma distancia focal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>complete</source>
         <translation>completa</translation>
     </message>
@@ -14262,6 +14278,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/methods.py"/>
         <source>condition number</source>
         <translation>número de condición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>each image has a lens of its own, which windows of a map do not</source>
+        <translation>cada imagen tiene su propia lente, y las ventanas de un mapa no</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -16205,18 +16226,13 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
-        <source>plan a mission for each lens</source>
-        <translation>planifique una misión para cada objetivo</translation>
+        <source>plan a mission for each</source>
+        <translation>planifique una misión para cada una</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>random values</source>
         <translation>valores aleatorios</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts/varied.py"/>
-        <source>vary {0!r}: a mission has one lens</source>
-        <translation>vary {0!r}: una misión tiene un solo objetivo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16230,6 +16246,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
+        <source>vary {0!r}: the images of a mission have one shape</source>
+        <translation>vary {0!r}: las imágenes de una misión tienen una sola forma</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: {1} is none of the numbers that may vary, which are {2}</source>
         <translation>vary {0!r}: {1} no es ninguno de los números que pueden variar, que son {2}</translation>
     </message>
@@ -16237,6 +16258,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: {1} is there twice</source>
         <translation>vary {0!r}: {1} aparece dos veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>vary {0}: with {1}, {2}</source>
+        <translation>vary {0}: con {1}, {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -17559,6 +17585,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/report/measure.py"/>
         <source>footprints</source>
         <translation>huellas</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/measure.py"/>
+        <source>vary {0!r}: methods are measured with one camera</source>
+        <translation>vary {0!r}: los métodos se miden con una sola cámara</translation>
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>
