@@ -85,6 +85,14 @@ def spread(
         long2 = max(half + eccentric, rules.tiny)
         area = across_u * down_v - across_v * down_u
         short2 = max(area * area / long2, rules.tiny)
+        zoom[pixel] = _zoom(long2, short2, world, zooms, rules)
+        world_px = math.ldexp(world, zoom[pixel])
+        # The samples: see `areas._spread`.
+        blur = rules.source_blur / (world_px * world_px)
+        if max(long2, short2) <= blur:
+            # The source's own blur is as wide as the pixel.
+            counts[pixel, 0], counts[pixel, 1], steps[pixel] = 1, 1, 0.0
+            continue
         axis_u, axis_v = eccentric + abs(apart), uv
         if apart < 0.0:
             axis_u, axis_v = axis_v, axis_u
@@ -93,10 +101,6 @@ def spread(
             axis_u, axis_v = axis_u / length, axis_v / length
         else:
             axis_u, axis_v = 1.0, 0.0
-        zoom[pixel] = _zoom(long2, short2, world, zooms, rules)
-        world_px = math.ldexp(world, zoom[pixel])
-        # The samples: see `areas._spread`.
-        blur = rules.source_blur / (world_px * world_px)
         left_long, left_short = math.sqrt(max(1.0 - blur / long2, 0.0)), math.sqrt(max(1.0 - blur / short2, 0.0))
         longer, shorter = math.sqrt(long2), math.sqrt(short2)
         most = rules.most_skew * longer * shorter

@@ -29,8 +29,9 @@ _COLOURS = 3
 _MOST_SAMPLES = 1 << 16
 #: Steps of light in which the nearest value is looked up.
 _LIGHT_STEPS = 1 << 12
-#: Images of level ground for which loading compiled code pays: that takes half a second, and saves 4 to 15 ms of each.
-_WORTH_LOADING = 100
+#: Images of level ground for which loading compiled code pays: that takes half a second, and saves 4 to 15 ms of each,
+#: or most of a second where pixels average what they cover.
+_WORTH_LOADING, _WORTH_LOADING_BY_AREA = 100, 1
 
 
 @cache
@@ -47,7 +48,8 @@ def load_code(plan: Plan) -> None:
     Over relief it always pays. Level ground has the same pixels with and without.
     """
     is_level = plan.relief.is_level
-    if plan.frames.on_map or (is_level and len(plan) < _WORTH_LOADING) or not uses_numba():
+    least = _WORTH_LOADING_BY_AREA if plan.mission.optics.by_area else _WORTH_LOADING
+    if plan.frames.on_map or (is_level and len(plan) < least) or not uses_numba():
         return
     if not is_level:
         from ..geodesy.raytracing.tracing import compile_code
