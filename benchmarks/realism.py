@@ -4,7 +4,7 @@
     python benchmarks/realism.py --pictures docs/images   # also the pictures of docs/realism.md
     python benchmarks/realism.py --only sensor
 
-Each effect has a function that prints its cost, and one that writes its picture; both stand in `EFFECTS`.
+Each effect has a function that prints its cost, and mostly one that writes its picture; both stand in `EFFECTS`.
 """
 
 from __future__ import annotations
@@ -702,8 +702,45 @@ def sunlight_picture(folder: Path) -> None:
     _sheet(crops, labels, len(SUN_SHOWN), 1).save(folder / "realism-sun.jpg", quality=56, optimize=True)
 
 
+def together_costs() -> None:
+    """Tracing, tiles and drawing of an image over the sunlit world's relief: areas, colours apart, blur and strips."""
+    from terrainav.core.imagery.opening import open_source
+    from terrainav.core.mission.areas.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+    from terrainav.core.mission.sunlight import mission_sun
+    from terrainav.core.picture.camera_frame import load_code, parts_of_tiles
+    from terrainav.core.picture.heights import mission_heights
+    from terrainav.core.picture.shot import draw, make_shot
+
+    way = Points(((35.1420, -89.8670, 120.0), (35.1411, -89.8655, 120.0)))
+    camera = Camera(70.0, 4.0 / 3.0, k1=-0.2, k2=0.05, red_scale=1e-3, blue_scale=-1e-3)
+    mission = Mission(
+        way, 120.0, camera, source="world", elevation=("world",), sun="40 120", frame="camera", sampling="area",
+        yaw_deg=30.0, tilt_deg=18.0, roll_deg=4.0, airspeed_m_per_s=20.0, exposure_ms=2.0, motion_blur=True,
+        row_time_us=40.0, image_px=WIDTH,
+    )  # fmt: skip
+    source = open_source("world", sun=mission_sun(mission))
+    made = plan(mission, source.grid, mission_heights(mission))
+    load_code(made)
+    taken = []
+    for _ in range(4):
+        shot, times = make_shot(made, 0), [time.process_time()]
+        parts = parts_of_tiles(made.grid, shot.trace(with_sighting=False))
+        times.append(time.process_time())
+        pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
+        times.append(time.process_time())
+        draw(shot, parts, pixels)
+        taken.append(np.diff([*times, time.process_time()]))
+    takes = 3 * sum(len(strips) for strips in shot.instants)
+    names = f"tracing {takes} takes", f"painting {len(parts)} tiles", "drawing"
+    # The first run compiles code, and finds houses.
+    for name, seconds in zip(names, np.median(taken[1:], axis=0)):
+        show(f"all together, {name}", 1000.0 * float(seconds))
+
+
 #: Costs and picture of each effect.
-EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
+EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None] | None]] = {
     "lens": (level_lens_costs, level_lens_picture),
     "undistorted": (undistorted_costs, undistorted_picture),
     "lens over relief": (lens_costs, lens_picture),
@@ -713,6 +750,7 @@ EFFECTS: dict[str, tuple[Callable[[], None], Callable[[Path], None]]] = {
     "shutter": (shutter_costs, shutter_picture),
     "sensor": (sensor_costs, sensor_picture),
     "randomisation": (varied_costs, varied_picture),
+    "together": (together_costs, None),
 }
 
 
@@ -726,7 +764,7 @@ def main() -> None:
     for name, (costs, picture) in EFFECTS.items():
         if asked.only in (None, name):
             costs()
-            if asked.pictures is not None:
+            if picture is not None and asked.pictures is not None:
                 picture(asked.pictures)
 
 
