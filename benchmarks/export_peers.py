@@ -6,11 +6,12 @@ r"""What COLMAP and evo say of the exports of a dataset of camera frames.
     terrainav export out model --as colmap && terrainav export out tum --as tum && terrainav export out kitti --as kitti
     peers/bin/python benchmarks/export_peers.py out/satellite model tum kitti
 
-Lenses that distort: add --lens fisheye --k1 0.02, or --k1 -0.1 --p1 0.001, to the capture. Without tum and kitti,
-COLMAP alone is asked, and .venv/peers will do.
+Lenses that distort: add --fov 80 --lens fisheye --k1 0.03 --k2=-0.01 --sampling area, or --k1 -0.1 --p1 0.001, to the
+capture. Without tum and kitti, COLMAP alone is asked, and .venv/peers will do.
 
 COLMAP finds and matches features of its own, and triangulates them with the exported poses held fixed. Prints the mean
-reprojection error in px and, over level ground, how far the points are from it.
+reprojection error in px, also at the centre and the corners of images, and, over level ground, how far the points are
+from it.
 """
 
 from __future__ import annotations
@@ -49,6 +50,18 @@ def triangulated(images: Path, model: Path, folder: Path) -> pycolmap.Reconstruc
     return pycolmap.triangulate_points(known, database, images, folder / "sparse")
 
 
+def by_radius(found: pycolmap.Reconstruction) -> list[float]:
+    """Mean errors, px, of features within a fifth of the way from the middle of images to a corner, and in the last."""
+    off, radius = [], []
+    for point in found.points3D.values():
+        for element in point.track.elements:
+            image = found.images[element.image_id]
+            seen, size = image.points2D[element.point2D_idx].xy, (image.camera.width, image.camera.height)
+            off.append(np.linalg.norm(image.project_point(point.xyz) - seen))
+            radius.append(np.hypot(*(2.0 * seen / size - 1.0) * size) / np.hypot(*size))
+    return [float(np.mean(np.array(off)[which])) for which in (np.array(radius) < 0.2, np.array(radius) > 0.8)]
+
+
 def main() -> None:
     """Print what they say."""
     images, model, *trajectories = map(Path, sys.argv[1:])
@@ -58,6 +71,8 @@ def main() -> None:
     off = np.percentile(np.abs(heights - np.median(heights)), [50, 90])
     print(f"COLMAP: {len(heights):,} points of {len(found.images)} images")
     print(f"mean reprojection error {found.compute_mean_reprojection_error():.3f} px")
+    inner, outer = by_radius(found)
+    print(f"mean over features: {inner:.3f} px at the centre of images, {outer:.3f} px at the corners")
     print(
         f"heights: median {np.median(heights):.4f} m, half within {off[0]:.3f} m of it, 9 of 10 within {off[1]:.3f} m"
     )

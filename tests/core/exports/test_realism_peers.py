@@ -42,7 +42,11 @@ def test_loaders_give_images_and_random_values(everything):
     assert len(told_by_benchmark(SCRIPT, "loaders", everything).splitlines()) == 15
 
 
-@pytest.mark.parametrize("lens", ["", "--k1 -0.1 --p1 0.001"], ids=["ideal", "brown"])
+@pytest.mark.parametrize(
+    "lens",
+    ["", "--k1 -0.1 --p1 0.001", "--fov 80 --lens fisheye --k1 0.03 --k2=-0.01 --sampling area"],
+    ids=["ideal", "brown", "fisheye"],
+)
 def test_colmap_triangulates_its_own_matches(tmp_path, lens):
     out, model = tmp_path / "out", tmp_path / "model"
     mission = "--coords 35.1450_-89.8620_35.1435_-89.8600_100 --frame camera --tilt 10 --yaw 20 --overlap 0.7"
