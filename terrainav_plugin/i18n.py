@@ -41,6 +41,8 @@ _ENTERED = (
     "exposure_ms",
     "image_sensor",
     "pixel_um",
+    "quantum_efficiency",
+    "full_well_e",
 )
 
 

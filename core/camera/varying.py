@@ -215,7 +215,7 @@ def _parsed(text: str) -> Variation:
     field, name, *numbers = found.groups()
     kind = KINDS.get(name)
     if kind is None:
-        raise _refused(text, Message("{0} is none of {1}", name, ", ".join(KINDS)))
+        raise _refused(text, Message("{0} must be one of {1}", name, ", ".join(KINDS)))
     parameters = _numbers(text, numbers[0])
     if kind.parameters and len(parameters) != len(kind.parameters):
         raise _refused(text, Message("{0} takes {1}", name, ",".join(kind.parameters)))
@@ -232,14 +232,16 @@ def _numbers(text: str, numbers: str) -> tuple[float, ...]:
     except ValueError:
         found = (math.nan,)
     if not all(map(math.isfinite, found)):
-        raise _refused(text, Message("{0} are not numbers", numbers))
+        raise _refused(text, Message("{0} must be numbers", numbers))
     return found
 
 
 def _bounds(text: str, kind: Kind, numbers: str) -> tuple[float, float]:
     found = _numbers(text, numbers)
-    if len(found) != 2 or not found[0] < found[1]:
+    if len(found) != 2:
         raise _refused(text, Message("{0} takes {1}", "within", "low,high"))
+    if not found[0] < found[1]:
+        raise _refused(text, Message("{0} needs {1}", "within", KINDS["uniform"].right))
     if kind.deviate is None:
         raise _refused(text, Message("only distributions without bounds are cut off"))
     return found[0], found[1]

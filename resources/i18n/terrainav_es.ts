@@ -8670,13 +8670,13 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/camera/varying.py"/>
-        <source>{0} are not numbers</source>
-        <translation>{0} no son números</translation>
+        <source>{0} must be numbers</source>
+        <translation>{0} deben ser números</translation>
     </message>
     <message>
         <location filename="../../core/camera/varying.py"/>
-        <source>{0} is none of {1}</source>
-        <translation>{0} no es ninguna de {1}</translation>
+        <source>{0} must be one of {1}</source>
+        <translation>{0} debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/camera/varying.py"/>
@@ -14486,6 +14486,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <location filename="../../core/mission/parts/sensor.py"/>
         <location filename="../../core/mission/sunlight.py"/>
         <source>give it{0}</source>
         <translation>indíquelo{0}</translation>
@@ -16181,8 +16182,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
-        <source>add bounds, such as {0}</source>
-        <translation>añada límites, como {0}</translation>
+        <source>add bounds as {0}</source>
+        <translation>añada límites como {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16196,6 +16197,12 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
+        <location filename="../../core/mission/sensors.py"/>
+        <source>did you mean {0}?</source>
+        <translation>¿quería decir {0}?</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
         <source>distance from the planned pose</source>
         <translation>distancia a la pose planificada</translation>
     </message>
@@ -16203,6 +16210,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/varied.py"/>
         <source>fields of camera, light and pose that have a random value in each image, by the seed, as FIELD=DISTRIBUTION: uniform(low,high), normal(mean,sd), lognormal(median,sigma), loguniform(low,high), triangular(low,mode,high) or choice(value,…), and within(low,high) after it as bounds</source>
         <translation>campos de cámara, luz y pose que tienen un valor aleatorio en cada imagen, según la semilla, como CAMPO=DISTRIBUCIÓN: uniform(low,high), normal(mean,sd), lognormal(median,sigma), loguniform(low,high), triangular(low,mode,high) o choice(valor,…), y detrás within(low,high) como límites</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/varied.py"/>
+        <source>fields that may are {0}</source>
+        <translation>los campos que pueden son {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16251,13 +16263,13 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
-        <source>vary {0!r}: {1} is none of the numbers that may vary, which are {2}</source>
-        <translation>vary {0!r}: {1} no es ninguno de los números que pueden variar, que son {2}</translation>
+        <source>vary {0!r}: {1} appears twice</source>
+        <translation>vary {0!r}: {1} aparece dos veces</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
-        <source>vary {0!r}: {1} is there twice</source>
-        <translation>vary {0!r}: {1} aparece dos veces</translation>
+        <source>vary {0!r}: {1} may not vary: {2}</source>
+        <translation>vary {0!r}: {1} no puede variar: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16473,11 +16485,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/relief/modelled.py"/>
         <source>take a further source that fills it ({0})</source>
         <translation>tome otra fuente que lo rellene ({0})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/sensors.py"/>
-        <source>did you mean {0}?</source>
-        <translation>¿quería decir {0}?</translation>
     </message>
     <message>
         <location filename="../../core/mission/sensors.py"/>

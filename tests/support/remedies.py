@@ -160,7 +160,8 @@ def _option(node: ast.AST) -> str:
     if isinstance(node, ast.Attribute) and node.attr == "in_brackets":
         node, form = node.value, " ({})"
     if isinstance(node, ast.Call) and _named(node.func) == "OptionName":
-        return form.format(str(OptionName(_words(node.args[0]))))
+        name = _words(node.args[0])
+        return form.format(OptionName(name) if name else "{}")
     return _words(node) if isinstance(node, ast.Constant) else "{}"
 
 

@@ -201,7 +201,13 @@ class ImageSensor(CheckedFields):
         for name in _NEEDED:
             if name not in own and name not in sheet:
                 title = Message(field_named(ImageSensor, name).title)
-                raise InvalidInput("image sensor {0}: needs its {1}", self.image_sensor, title, field=name)
+                raise InvalidInput(
+                    "image sensor {0}: needs its {1}",
+                    self.image_sensor,
+                    title,
+                    field=name,
+                    remedy=Message("give it{0}", OptionName(name).in_brackets),
+                )
         found: dict[str, float] = {**dict.fromkeys(_NOISE, 0.0), "adc_bits": _USUAL_BITS, **sheet, **own}
         # With fewer bits a converter leaves out the lowest ones.
         steps = 2.0 ** (found["adc_bits"] - sheet.get("adc_bits", found["adc_bits"]))

@@ -78,17 +78,23 @@ def _check_vary(texts: tuple[Any, ...]) -> None:
                 remedy="plan a mission for each",
             )
         if field is None:
-            raise InvalidInput(
-                "vary {0!r}: {1} is none of the numbers that may vary, which are {2}",
-                text,
-                variation.field,
-                ", ".join(variable_fields()),
-                field="vary",
-            )
+            raise _unknown_field(text, variation.field)
         if variation.field in found:
-            raise InvalidInput("vary {0!r}: {1} is there twice", text, variation.field, field="vary")
+            raise InvalidInput("vary {0!r}: {1} appears twice", text, variation.field, field="vary")
         found.add(variation.field)
         _check_ends(text, variation, field)
+
+
+def _unknown_field(text: str, name: str) -> InvalidInput:
+    import difflib
+
+    near = difflib.get_close_matches(name, variable_fields(), n=3)
+    hint = (
+        Message("did you mean {0}?", " or ".join(near))
+        if near
+        else Message("fields that may are {0}", ", ".join(variable_fields()))
+    )
+    return InvalidInput("vary {0!r}: {1} may not vary: {2}", text, name, hint, field="vary")
 
 
 def _check_ends(text: str, variation: Variation, field: Field) -> None:
@@ -104,7 +110,7 @@ def _check_ends(text: str, variation: Variation, field: Field) -> None:
             Message(field.title),
             field.domain,
             field="vary",
-            remedy=Message("add bounds, such as {0}", "within(1,2)"),
+            remedy=Message("add bounds as {0}", "within(low,high)"),
         )
     try:
         for value in variation.extremes:

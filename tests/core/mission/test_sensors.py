@@ -121,7 +121,7 @@ def test_a_sensor_of_ones_own_has_the_noise_that_is_given():
             {"image_sensor": ALVIUM, "adc_bits": 8, "black_level_dn": 300.0},
             "black level 300 DN: must be below 255, the largest number of 8 bits",
         ),
-        ({"image_sensor": "custom"}, "image sensor custom: needs its pixel pitch"),
+        ({"image_sensor": "custom"}, "image sensor custom: needs its pixel pitch; give it (--pixel-um)"),
         ({"read_noise_e": 3.0}, "read noise 3.0: needs an image sensor; name one, or custom (--image-sensor)"),
         ({"bayer": "rggb"}, "colour filters rggb: needs an image sensor"),
         ({"products": ("raw",)}, "product raw: needs an image sensor; name one (--image-sensor)"),

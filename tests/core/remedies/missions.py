@@ -480,6 +480,13 @@ def _no_sensor(case: Case) -> None:
     case.follow("or custom (--image-sensor)", lambda: Mission(AREA, 120.0, read_noise_e=3.0, **own))
 
 
+@remedy("mission/parts/sensor.py", "image sensor {}: needs its {}; give it ({})")
+def _figure_of_custom(case: Case) -> None:
+    own = {"image_sensor": "custom", "pixel_um": 3.45, "quantum_efficiency": 0.6}
+    case.refused(lambda: Mission(AREA, 120.0, **own))
+    case.follow("give it (--full-well-e)", lambda: Mission(AREA, 120.0, full_well_e=10_000.0, **own))
+
+
 @remedy("mission/mission.py", "product {}: needs an image sensor; name one (--image-sensor)")
 def _no_raw(case: Case) -> None:
     case.refused(lambda: Mission(AREA, 120.0, products=("raw",)))

@@ -20,11 +20,11 @@ def vary(text: str) -> Mission:
 
 @remedy(
     "mission/parts/varied.py",
-    "vary {}: has no bounds, and {} must be {}; add bounds, such as within(1,2)",
+    "vary {}: has no bounds, and {} must be {}; add bounds as within(low,high)",
 )
 def _without_bounds(case: Case) -> None:
     case.refused(lambda: vary("agl_m=normal(100,20)"))
-    case.follow("add bounds, such as within(1,2)", lambda: vary("agl_m=normal(100,20)within(60,140)"))
+    case.follow("add bounds as within(low,high)", lambda: vary("agl_m=normal(100,20)within(60,140)"))
 
 
 @remedy("mission/parts/varied.py", "vary {}: the images of a mission have one shape; plan a mission for each")
