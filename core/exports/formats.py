@@ -70,8 +70,9 @@ def colmap(views: Views, _: Path) -> dict[str, str]:
         f"{number} {model} {width:.0f} {height:.0f} {' '.join(map(repr, parameters))}\n"
         for (model, (width, height, *parameters)), number in found.items()
     ]
+    extra = ", then distortion" if any(model != "PINHOLE" for model, _ in found) else ""
     return {
-        "sparse/0/cameras.txt": "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY, then distortion\n" + "".join(cameras),
+        "sparse/0/cameras.txt": f"# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY{extra}\n" + "".join(cameras),
         "sparse/0/images.txt": "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then POINTS2D\n" + "".join(lines),
         "sparse/0/points3D.txt": "# POINT3D_ID X Y Z R G B ERROR TRACK\n",
     }

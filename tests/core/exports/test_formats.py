@@ -135,7 +135,9 @@ def check_colours(image: Path, focal, to_world: np.ndarray, centre: np.ndarray, 
 def test_colmap(captured, tmp_path):
     folder = export(Views.read(captured), tmp_path / "model", "colmap") / "sparse" / "0"
     cameras = {}
-    for line in (folder / "cameras.txt").read_text().splitlines()[1:]:
+    comment, *rows = (folder / "cameras.txt").read_text().splitlines()
+    assert comment == "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY"
+    for line in rows:
         number, model, _, _, *focal = line.split()
         assert model == "PINHOLE"
         cameras[number] = [float(one) for one in focal]
