@@ -432,12 +432,13 @@ def _entry(name: str) -> QWidget:
         return declared_widget(name)
     line = declared_line(name)
     line.setPlaceholderText(tr("ideal"))
-    names = QCompleter([*(one.name for one in shipped_sensors()), CUSTOM], line)
+    sensors = [*(one.name for one in shipped_sensors()), CUSTOM]
+    names = QCompleter(sensors, line)
     names.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
     names.setFilterMode(Qt.MatchFlag.MatchContains)
     names.popup().setTextElideMode(Qt.TextElideMode.ElideMiddle)
     line.setCompleter(names)
-    wide = max(map(line.fontMetrics().horizontalAdvance, names.model().stringList())) + 20
+    wide = max(map(line.fontMetrics().horizontalAdvance, sensors)) + 20
 
     def list_all() -> None:
         names.setCompletionPrefix("")
