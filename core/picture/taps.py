@@ -115,6 +115,44 @@ def _add_sample(
 
 
 @compiled
+def _tile_at(
+    addresses: Numbers, depths: Numbers, size: int, x: float, y: float, channels: int, itemsize: int
+) -> tuple[float, float, float, float, int]:
+    """Part of a tile around a position whose values follow from the tile alone, and the address of the pixel at 0, 0.
+
+    The part ends in the west, east, north and south; it is empty where pixels have a mask or there is no tile.
+    """
+    tile_y, tile_x = math.floor(y / size), math.floor(x / size)
+    if 0 <= tile_y < addresses.shape[0] and 0 <= tile_x < addresses.shape[1]:
+        depth, left, top = depths[tile_y, tile_x], tile_x * size, tile_y * size
+        if depth == channels:
+            address = addresses[tile_y, tile_x] - (top * size + left) * channels * itemsize
+            # Weights of the first pixel are rounded otherwise.
+            return max(left, 1) + 0.5, left + size - 0.5, max(top, 1) + 0.5, top + size - 0.5, address
+    return np.inf, -np.inf, np.inf, -np.inf, 0
+
+
+@compiled
+def _between(
+    first: int,
+    right: int,
+    below: int,
+    across: float,
+    down: float,
+    like: PixelValues,
+    levels: Floats | None,
+    sums: Floats,
+) -> Any:
+    """Value between four pixels of one tile, of which the first is at an address, as `_add_sample` adds it."""
+    kind = sums.dtype.type
+    west, east = kind(1.0 - across), kind(across)
+    one, other = _light(first, like, levels, sums), _light(first + right, like, levels, sums)
+    upper = one * west + other * east
+    one, other = _light(first + below, like, levels, sums), _light(first + below + right, like, levels, sums)
+    return upper * kind(1.0 - down) + (one * west + other * east) * kind(down)
+
+
+@compiled
 def gather(
     addresses: Numbers,
     depths: Numbers,
@@ -153,12 +191,25 @@ def gather(
     int
         Samples without imagery.
     """
-    missing = 0
+    channels, itemsize, missing = len(sums), picture.itemsize, 0
+    right, below, tile = channels * itemsize, size * channels * itemsize, 0
+    west, east, north, south = np.inf, -np.inf, np.inf, -np.inf
     for pixel in range(len(row)):
         sums[:] = 0
         for point in range(x_px.shape[1]):
             x, y = x_px[pixel, point], y_px[pixel, point]
-            missing += _add_sample(addresses, depths, size, x, y, is_masked, picture, None, sums)
+            if not (west <= x < east and north <= y < south):
+                west, east, north, south, tile = _tile_at(addresses, depths, size, x, y, channels, itemsize)
+                if not (west <= x < east and north <= y < south):
+                    missing += _add_sample(addresses, depths, size, x, y, is_masked, picture, None, sums)
+                    continue
+            x, y = x - 0.5, y - 0.5
+            first_x, first_y = int(x), int(y)
+            first = tile + first_y * below + first_x * right
+            across, down = x - first_x, y - first_y
+            for channel in range(channels):
+                at = first + channel * itemsize
+                sums[channel] += _between(at, right, below, across, down, picture, None, sums)
         _set_mean(picture, row[pixel], column[pixel], sums, x_px.shape[1], limits)
     return missing
 
@@ -174,36 +225,6 @@ def _set_mean(
         if limits[0] > -math.inf:
             mean = kind(min(max(np.rint(mean), limits[0]), limits[1]))
         picture[row, column, channel] = mean
-
-
-@compiled
-def _between(
-    first: int, right: int, below: int, east: Any, south: Any, like: PixelValues, levels: Floats | None, sums: Floats
-) -> Any:
-    """Value between four pixels, of which the first is at an address, or the linear light of it."""
-    west, north = sums.dtype.type(1.0) - east, sums.dtype.type(1.0) - south
-    one, other = _light(first, like, levels, sums), _light(first + right, like, levels, sums)
-    upper = one * west + other * east
-    one, other = _light(first + below, like, levels, sums), _light(first + below + right, like, levels, sums)
-    return upper * north + (one * west + other * east) * south
-
-
-@compiled
-def _tile_at(
-    addresses: Numbers, depths: Numbers, size: int, x: float, y: float, channels: int, itemsize: int
-) -> tuple[float, float, float, float, int]:
-    """Part of a tile around a position whose values follow from the tile alone, and the address of the pixel at 0, 0.
-
-    The part ends in the west, east, north and south; it is empty where pixels have a mask or there is no tile.
-    """
-    tile_y, tile_x = math.floor(y / size), math.floor(x / size)
-    if 0 <= tile_y < addresses.shape[0] and 0 <= tile_x < addresses.shape[1]:
-        depth, left, top = depths[tile_y, tile_x], tile_x * size, tile_y * size
-        if depth == channels:
-            address = addresses[tile_y, tile_x] - (top * size + left) * channels * itemsize
-            # Weights of the first pixel are rounded otherwise.
-            return max(left, 1) + 0.5, left + size - 0.5, max(top, 1) + 0.5, top + size - 0.5, address
-    return np.inf, -np.inf, np.inf, -np.inf, 0
 
 
 @compiled
@@ -246,7 +267,7 @@ def average(
 
     Others are those of `gather`, which does the same with samples that are made before.
     """
-    channels, itemsize, kind, missing = len(sums), picture.itemsize, sums.dtype.type, 0
+    channels, itemsize, missing = len(sums), picture.itemsize, 0
     right, below, tile = channels * itemsize, size * channels * itemsize, 0
     west, east, north, south = np.inf, -np.inf, np.inf, -np.inf
     for pixel in range(len(row)):
@@ -266,8 +287,8 @@ def average(
                         continue
                 x, y = x - 0.5, y - 0.5
                 first_x, first_y = int(x), int(y)
-                across, down = kind(x - first_x), kind(y - first_y)
                 first = tile + first_y * below + first_x * right
+                across, down = x - first_x, y - first_y
                 for channel in range(channels):
                     at = first + channel * itemsize
                     sums[channel] += _between(at, right, below, across, down, picture, levels, sums)
