@@ -22,6 +22,8 @@ _PIECE_M = 250.0
 _TILE_CELLS = 1024
 #: Positions whose heights are looked up together, which bounds memory.
 BATCH = 1 << 16
+#: Pixels that a running maximum passes in the time that one position takes by itself, however few pixels it looks at.
+_PIXELS_PER_CALL = 300
 
 
 class ReliefPathGround:
@@ -260,7 +262,7 @@ def _highest_pixels(surface: Surface, reach: int) -> Callable[[Floats, Floats], 
         return np.float32(np.fmax.reduce(near, axis=None))
 
     # Few positions are cheaper one by one.
-    few = heights.size // min((2 * reach + 1) ** 2, heights.size)
+    few = heights.size // max(min((2 * reach + 1) ** 2, heights.size), _PIXELS_PER_CALL)
 
     def highest(lat_deg: Floats, lon_deg: Floats) -> Floats:
         found = np.empty(len(lat_deg))
