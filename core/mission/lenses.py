@@ -49,7 +49,7 @@ class CaptureCameras:
 
     @classmethod
     def joined(cls, parts: Sequence[tuple[CaptureCameras, int]]) -> CaptureCameras:
-        """Cameras of several missions with one camera, one after the other, and their numbers of captures."""
+        """Cameras of missions that share one unless their lenses vary, each with its number of captures."""
         if not any(one.vary for one, _ in parts):
             return parts[0][0]
         distinct: tuple[Camera, ...] = ()
