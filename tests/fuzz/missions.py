@@ -121,7 +121,7 @@ def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
             if math.prod(worked_out.frames.largest_px) <= MOST_OVER_RELIEF_PX:
                 worked_out.views.view(0)
             worked_out.views.outline(0)
-            worked_out.relief.figures(worked_out.poses, worked_out.flown, worked_out.corners)
+            worked_out.relief.figures(worked_out.cameras, worked_out.poses, worked_out.flown, worked_out.corners)
         elif worked_out.frames.on_map or worked_out.frames.width_px @ worked_out.frames.height_px <= MOST_TRACED_PX:
             estimate(worked_out).lines()
 
