@@ -394,7 +394,7 @@ def test_what_is_counted_in_wind_is_in_each_picture_and_on_a_lattice():
     made = plan(SCENES["turned crosshatch"].replace(wind=Wind(6.0, 250.0, 0.3)), GRID)
     for part, captures in zip(made.passes, passes_of(made)):
         poses = made.poses.take(captures)
-        own = rotated_rectangles(made.mission, part, poses, made.row[captures], WGS84, moved=True)
+        own = rotated_rectangles(made.mission, made.mission.camera, part, poses, made.row[captures], WGS84, moved=True)
         for first, second in ((own.x0, own.y0), (own.x0, own.y1), (own.x1, own.y0), (own.x1, own.y1)):
             lat, lon = part.plane.inverse(first, second)
             seen = image_positions(made, captures, lon[:, np.newaxis], lat[:, np.newaxis])
