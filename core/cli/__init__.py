@@ -29,6 +29,7 @@ _COMMANDS = {
     "benchmark": ("benchmarking", "run_benchmark"),
     "load": ("datasets", "run_load"),
     "report": ("flying", "run_report"),
+    "live": ("living", "run_live"),
     "sources": ("listing", "run_sources"),
     "cameras": ("listing", "run_cameras"),
     "cache": ("listing", "run_cache"),

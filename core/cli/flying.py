@@ -54,7 +54,7 @@ def names_source(arguments: argparse.Namespace) -> bool:
     return arguments.source is not None or bool(os.environ.get("TERRAINAV_SOURCE"))
 
 
-def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
+def mission_settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     """Return the requested mission, and the options of its run, including `SOURCE_WAS_NAMED`."""
     from ..mission.mission import Mission
     from ..mission.settings import build_mission, resolve
@@ -174,7 +174,8 @@ def _fit_flight(mission: Mission, arguments: argparse.Namespace, values: dict[st
     return mission
 
 
-def _open_source(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
+def open_mission_source(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
+    """Open the source of a mission."""
     return closing(_named_source(mission, values, open_cache(values), as_stored=as_stored).open())
 
 
@@ -259,7 +260,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     if arguments.more_missions:
         return _plan_joined(arguments)
     endings = {path: _ending(path, _MISSION) for path in arguments.output}
-    mission, values = _settings(arguments)
+    mission, values = mission_settings(arguments)
     each = mission.missions_by_imagery
     sources = {
         name: _named_source(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
@@ -315,7 +316,7 @@ def _plan_joined(arguments: argparse.Namespace) -> int:
     names, heights = [], None
     for file in (arguments.mission_file, *arguments.more_missions):
         one = argparse.Namespace(**{**vars(arguments), "mission_file": file})
-        mission, values = _settings(one)
+        mission, values = mission_settings(one)
         # Several imageries share one flight.
         mission = mission.of_first_imagery
         plans.append(_plan_mission(mission, values, _named_source(mission, values, as_stored=_as_written(mission))))
@@ -415,7 +416,7 @@ class Bar:
 
 def run_capture(arguments: argparse.Namespace) -> int:
     """Capture a mission into a folder."""
-    mission, values = _settings(arguments)
+    mission, values = mission_settings(arguments)
     if not values["data_dir"]:
         # Probably an unset variable of the shell, which must not mean the current folder.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
@@ -428,7 +429,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
             if in_blocks:
                 sources[name] = _named_source(one, values, open_cache(values), as_stored=_as_written(one))
             else:
-                sources[name] = opened.enter_context(_open_source(one, values, as_stored=_as_written(one)))
+                sources[name] = opened.enter_context(open_mission_source(one, values, as_stored=_as_written(one)))
         mission = _fit_flight(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.missions_by_imagery or {"": mission}
         with cancellable(lambda: bool(signals)):
@@ -653,9 +654,9 @@ def run_report(arguments: argparse.Namespace) -> int:
         return _print_sharpness(arguments.mtf)
     from ..report.page import write_report
 
-    mission, values = _settings(arguments)
+    mission, values = mission_settings(arguments)
     # Errors are measured on 8-bit images, as displayed.
-    with _open_source(mission, values, as_stored=False) as source:
+    with open_mission_source(mission, values, as_stored=False) as source:
         mission = _fit_flight(mission, arguments, values, source.grid)
         planned = _plan_mission(mission, values, source)
         # A report measures only a few images, which take at most 200 requests.

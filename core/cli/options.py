@@ -163,6 +163,14 @@ def _add_report(reporting: argparse.ArgumentParser) -> None:
     add_consent(reporting)
 
 
+def _add_live(serving: argparse.ArgumentParser) -> None:
+    _add_mission_options(serving)
+    serving.add_argument("--host", metavar="ADDRESS", default="127.0.0.1", help="address to serve at (this machine)")
+    serving.add_argument("--port", type=int, metavar="N", default=8421, help="port of HTTP (8421)")
+    serving.add_argument("--token", metavar="TEXT", default="", help="what clients must give; needed for other hosts")
+    serving.add_argument("--workers", type=int, metavar="N", default=1, help="frames made at once (1)")
+
+
 def _add_blocks(command: argparse.ArgumentParser) -> None:
     blocks = command.add_argument_group(
         "blocks",
@@ -483,6 +491,7 @@ _COMMANDS = {
     "benchmark": _Command(
         _add_benchmark, help="make a benchmark of queries and a reference, run a baseline over it, score predictions"
     ),
+    "live": _Command(_add_live, help="serve frames from any pose to other programs and a browser"),
     "sources": _Command(_add_sources, help="list sources of imagery and their terms; show, add or remove one"),
     "cameras": _Command(_add_cameras, help="list cameras; add or remove your own"),
     "cache": _Command(_add_cache, help="list or clear the tiles cached for later captures"),

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..arrays import Floats, NDArray
 from ..geodesy.camera import Camera
+from ..geodesy.contract import CameraContract
 from ..geodesy.frames import in_image, swapped
 from ..mission.cameras import shipped_cameras
 from ..mission.parts import BY_ISO, BY_TIME, utc_time
@@ -101,6 +102,14 @@ def plan_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
     wide, high = (np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2])
     x, y = wide / width, high / height
     return Optics(wide, high, focal_x * x, focal_y * y, centre_x * x, centre_y * y)
+
+
+def plan_contract(plan: Plan, index: int) -> CameraContract:
+    """Contract of a plan's picture as written."""
+    width, height, *lengths = (float(values[0]) for values in plan_optics(plan, np.array([index])))
+    # Decimals on which all processors agree.
+    fx, fy, cx, cy = (round(length, 6) for length in lengths)
+    return CameraContract.of_lens(plan.mission.camera, (int(width), int(height)), (fx, fy), (cx, cy))
 
 
 def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:

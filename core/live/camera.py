@@ -1,0 +1,267 @@
+"""A camera that takes a picture from any pose when asked: what every live interface translates."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import NDArray, PixelValues
+from ..bands import Bands, source_bands
+from ..capture.making import check_source
+from ..errors import InvalidInput
+from ..geodesy.contract import CameraContract
+from ..imagery.source import Part, Source
+from ..labels.label_map import LabelMap
+from ..mission.areas.area import Points
+from ..mission.mission import Mission
+from ..mission.parts import ELLIPSOID, LABELLED
+from ..mission.plan import Plan, plan
+from ..mission.relief.ground import Heights
+from ..picture.effects import Development, Facts
+from ..picture.map_frame import resized
+from ..picture.optics import plan_contract
+from ..picture.products import BANDS, products
+from ..picture.shot import MapShot, Shot, draw, make_shot, shot_parts
+from .tiles import ReadyTiles, TileMemory
+
+#: A band that tells stand-ins from other tiles.
+_MARK = Bands(("coarse",), "uint8", (0,))
+#: Default number of tiles fetched at once.
+CONNECTIONS = 8
+
+
+class FrameRequest(NamedTuple):
+    """What is asked of a camera.
+
+    Attributes
+    ----------
+    lat_deg, lon_deg : float
+        Position of the camera.
+    up_m : float
+        Height of the camera: above ground, or above the WGS 84 ellipsoid if ``above_ellipsoid``.
+    yaw_deg, tilt_deg, roll_deg : float
+        As for `Camera.rays_enu`.
+    time_s : float
+        Time of the pose, Unix seconds; returned with the frame.
+    products : tuple of str
+        What the frame has beside the picture, such as ``depth``; as a mission names them.
+    above_ellipsoid : bool
+    """
+
+    lat_deg: float
+    lon_deg: float
+    up_m: float
+    yaw_deg: float = 0.0
+    tilt_deg: float = 0.0
+    roll_deg: float = 0.0
+    time_s: float = 0.0
+    products: tuple[str, ...] = ()
+    above_ellipsoid: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A picture on request, with all that belongs to its pose.
+
+    Attributes
+    ----------
+    request : FrameRequest
+    plan : Plan
+        Plan of the one capture.
+    picture : array (h, w, bands)
+    products : mapping of str to array
+        As `picture.products.products` gives them.
+    contract : CameraContract
+    facts : tuple
+        What is stated of the effects of a real camera.
+    coarse_share : float
+        Share of the pixels that are not at full resolution.
+    sky_share : float
+    made_s : float
+        Seconds that the frame took.
+    """
+
+    request: FrameRequest
+    plan: Plan
+    picture: PixelValues
+    products: Mapping[str, NDArray[Any]]
+    contract: CameraContract
+    facts: Facts = ()
+    coarse_share: float = 0.0
+    sky_share: float = 0.0
+    made_s: float = field(default=0.0, compare=False)
+
+    @property
+    def height_m(self) -> float:
+        """Height of the camera above the WGS 84 ellipsoid."""
+        return float(self.plan.height_m[0])
+
+    def to_json(self) -> dict[str, Any]:
+        """What the frame is, without its pixels."""
+        asked = self.request
+        return {
+            "time_s": asked.time_s,
+            "pose": {
+                "lat_deg": asked.lat_deg,
+                "lon_deg": asked.lon_deg,
+                "height_m": self.height_m,
+                "agl_m": self.height_m - float(self.plan.ground_m[0]),
+                "yaw_deg": asked.yaw_deg,
+                "tilt_deg": asked.tilt_deg,
+                "roll_deg": asked.roll_deg,
+            },
+            "camera": self.contract.intrinsics,
+            "footprint": _footprint(self.plan),
+            "method": "; ".join(str(one.method.name) for one in self.plan.accuracy.choices),
+            "error_bound_px": self.plan.accuracy.bound_px,
+            "coarse_share": self.coarse_share,
+            "sky_share": self.sky_share,
+            "facts": dict(self.facts),
+            "made_s": self.made_s,
+        }
+
+
+def _footprint(plan: Plan) -> list[list[float]]:
+    """Longitudes and latitudes of the ground that the image's corners see; those that see none are left out."""
+    corners = plan.corners
+    places = zip(corners.lon_deg[0].tolist(), corners.lat_deg[0].tolist(), corners.hit[0].tolist())
+    return [[lon, lat] for lon, lat, is_seen in places if is_seen]
+
+
+class LiveCamera:
+    """Camera of a mission that takes pictures on request; the mission's area and route do not matter.
+
+    A frame has the pixels that a capture of a mission with this one pose writes. Threads may share the camera.
+
+    Parameters
+    ----------
+    mission : Mission
+    source : Source
+        Source of the imagery; stays open.
+    heights : Heights or None
+        Heights of the mission's elevation, if it has one.
+    labels : LabelMap or None
+        Labels for the products classes and instances.
+
+    Raises
+    ------
+    InvalidInput
+        The source lacks what the mission asks for.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        source: Source,
+        heights: Heights | None = None,
+        labels: LabelMap | None = None,
+        connections: int = CONNECTIONS,
+    ) -> None:
+        if mission.accuracy.frame == "map":
+            raise InvalidInput(
+                "frame {0}: a live camera sees perspectives",
+                mission.accuracy.frame,
+                field="frame",
+                remedy="choose camera",
+            )
+        self.mission = mission.replace(frame="camera")
+        self.source, self.heights, self.labels = source, heights, labels
+        self.tiles = TileMemory(source, mission.imagery.map_types[0], connections)
+        self._bands = source_bands(source)
+        west, south, east, north = mission.area.bounds.edges_deg
+        #: Where a client may begin: in the middle of the mission's area, as its flight and attitude say.
+        attitude = mission.attitude
+        self.start = FrameRequest(
+            (south + north) / 2.0,
+            (west + east) / 2.0,
+            mission.flight.agl_m,
+            attitude.yaw_deg,
+            attitude.tilt_deg,
+            attitude.roll_deg,
+        )
+        first = self.plan(self.start)
+        check_source(first, source)
+        self.contract = plan_contract(first, 0)
+
+    @property
+    def offered(self) -> tuple[str, ...]:
+        """Products that frames may have."""
+        return (*BANDS, *(LABELLED if self.labels is not None else ()))
+
+    def plan(self, request: FrameRequest) -> Plan:
+        """Plan of the capture from a pose.
+
+        Raises
+        ------
+        InvalidInput
+            The pose is invalid, or sees nothing that can be drawn.
+        """
+        mission = self.mission.replace(
+            area=Points(
+                ((request.lat_deg, request.lon_deg, request.up_m),),
+                yaws_deg=(request.yaw_deg,),
+                tilts_deg=(request.tilt_deg,),
+                rolls_deg=(request.roll_deg,),
+            ),
+            products=tuple(request.products),
+            **({"height_above": ELLIPSOID} if request.above_ellipsoid and self.heights is not None else {}),
+        )
+        return plan(mission, self.source.grid, self.heights)
+
+    def take(self, request: FrameRequest, wait_s: float | None = None) -> Frame:
+        """Take a picture.
+
+        Parameters
+        ----------
+        wait_s : float or None
+            Longest wait for tiles, after which coarser ones stand in for them; None to wait for all.
+
+        Raises
+        ------
+        InvalidInput
+            The pose is invalid.
+        PartError, SourceError
+            Imagery or heights are not available.
+        """
+        begun_s = time.perf_counter()
+        planned = self.plan(request)
+        shot = make_shot(planned, 0)
+        development = Development.of(planned, 0, self.tiles.map_type)
+        if isinstance(shot, Shot):
+            needs_range = development is not None and development.needs_range
+            shot.trace(with_sighting=bool(request.products) or needs_range)
+        parts = shot_parts(shot, self.source)
+        ready = self.tiles.whole(parts) if wait_s is None else self.tiles.until(parts, wait_s)
+        made = draw(shot, parts, ready.pixels, bands=self._bands)
+        picture = made.pixels
+        facts: Facts = ()
+        if development is not None:
+            picture, facts, _ = development.develop(picture, shot, len(self._bands))
+        picture = resized(picture, planned.mission.output.img_size, self._bands)
+        size = picture.shape[1], picture.shape[0]
+        found = dict(products(planned, 0, size, shot, self.labels)) if request.products else {}
+        return Frame(
+            request,
+            planned,
+            picture,
+            found,
+            plan_contract(planned, 0),
+            facts,
+            self._coarse_share(shot, parts, ready),
+            made.sky_share,
+            time.perf_counter() - begun_s,
+        )
+
+    def _coarse_share(self, shot: MapShot | Shot, parts: Sequence[Part], ready: ReadyTiles) -> float:
+        """Share of a picture's pixels that stand-ins show, whole or in part."""
+        if not ready.stand_ins:
+            return 0.0
+        size = self.source.grid.tile_px
+        coarse, whole = np.ones((size, size, 1), np.uint8), np.zeros((size, size, 1), np.uint8)
+        marks = {window: coarse if window in ready.stand_ins else whole for window in ready.pixels}
+        mark = draw(shot, parts, marks, bands=_MARK)
+        return float(np.mean(mark.pixels > 0))

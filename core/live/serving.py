@@ -1,0 +1,70 @@
+"""Frames for many clients at once: a few at a time, with a bounded number of requests that wait."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+from ..errors import TerrAInavError
+from .camera import Frame, FrameRequest, LiveCamera
+
+Made = TypeVar("Made")
+
+#: Most requests that wait for a worker.
+WAITING = 64
+#: Addresses that only programs on this machine reach.
+LOOPBACK = ("127.0.0.1", "::1", "localhost")
+
+
+class BusyError(TerrAInavError):
+    """More requests wait than the server accepts."""
+
+
+class FrameServer:
+    """A camera that many clients share; used from one event loop.
+
+    Parameters
+    ----------
+    workers : int
+        Frames made at once.
+    most_waiting : int
+        Requests that may wait; others are refused at once.
+    """
+
+    def __init__(self, camera: LiveCamera, workers: int = 1, most_waiting: int = WAITING) -> None:
+        self.camera = camera
+        self._most_waiting, self._workers, self._under_way = most_waiting, workers, 0
+        self._pool = ThreadPoolExecutor(workers, "terrainav-frames")
+
+    async def frame(self, request: FrameRequest, wait_s: float | None = None) -> Frame:
+        """Take a picture; errors are those of `LiveCamera.take`.
+
+        Raises
+        ------
+        BusyError
+            Too many requests wait.
+        """
+        return await self.run(lambda: self.camera.take(request, wait_s))
+
+    async def run(self, make: Callable[[], Made]) -> Made:
+        """Run a function in a worker; it is not run if the caller has gone before its turn.
+
+        Raises
+        ------
+        BusyError
+            Too many requests wait.
+        """
+        if self._under_way >= self._workers + self._most_waiting:
+            raise BusyError("busy: {0} requests wait; ask again later", self._most_waiting)
+        self._under_way += 1
+        try:
+            return await asyncio.wrap_future(self._pool.submit(make))
+        finally:
+            self._under_way -= 1
+
+    def close(self) -> None:
+        """Stop the workers; waiting requests are cancelled."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        self.camera.tiles.close()
