@@ -6,10 +6,12 @@ import argparse
 import asyncio
 import signal
 import sys
-from contextlib import closing
-from typing import TYPE_CHECKING
+from contextlib import AsyncExitStack, closing, suppress
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
+from ..live.choices import HTTP_PORT, LOOPBACK
 from ..text.plain import printable
 from .exits import DONE
 from .flying import mission_settings, open_mission_source, requested_heights
@@ -17,20 +19,19 @@ from .flying import mission_settings, open_mission_source, requested_heights
 if TYPE_CHECKING:
     from ..live.serving import FrameServer
 
-#: Default port of HTTP.
-HTTP_PORT = 8421
-
 
 def run_live(arguments: argparse.Namespace) -> int:
     """Serve frames of a mission's camera until a signal ends it."""
     from ..capture.labels import open_labels
     from ..live.camera import LiveCamera
-    from ..live.serving import LOOPBACK, FrameServer
+    from ..live.serving import FrameServer
 
     if arguments.host not in LOOPBACK and not arguments.token:
         raise InvalidInput(
             "host {0}: other machines could ask for frames", arguments.host, remedy="give a token (--token)"
         )
+    if all(getattr(arguments, name) is None for name in _INTERFACES):
+        arguments.http = HTTP_PORT
     mission, values = mission_settings(arguments)
     mission = mission.of_first_imagery
     with open_mission_source(mission, values, as_stored=False) as source:
@@ -42,26 +43,54 @@ def run_live(arguments: argparse.Namespace) -> int:
 
 
 async def _serve(server: FrameServer, arguments: argparse.Namespace) -> None:
-    """Serve until SIGINT or SIGTERM."""
-    from aiohttp import web
-
-    from ..live.http import application
-
-    runner = web.AppRunner(application(server, arguments.token))
-    await runner.setup()
-    try:
-        site = web.TCPSite(runner, arguments.host, arguments.port)
-        try:
-            await site.start()
-        except OSError as wrong:
-            raise InvalidInput(
-                "port {0}: cannot be used ({1})", arguments.port, wrong.strerror, remedy="choose another port (--port)"
-            ) from wrong
-        print(printable(f"live at http://{arguments.host}:{arguments.port}/"), file=sys.stderr, flush=True)
-        stopped = asyncio.Event()
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM):
+    """Serve until a signal ends it."""
+    stopped = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        with suppress(NotImplementedError):
+            # Windows has no handlers here; Ctrl-C ends the loop by itself.
             loop.add_signal_handler(number, stopped.set)
+    async with AsyncExitStack() as opened:
+        for name, open_interface in _INTERFACES.items():
+            port = getattr(arguments, name)
+            if port is None:
+                continue
+            try:
+                address = await open_interface(opened, server, arguments, port)
+            except OSError as wrong:
+                raise InvalidInput(
+                    "port {0}: cannot be used ({1})", port, wrong.strerror, remedy="choose another port"
+                ) from wrong
+            print(printable(f"{name:8s}{address}"), file=sys.stderr, flush=True)
         await stopped.wait()
-    finally:
-        await runner.cleanup()
+
+
+def _serving(module: str, package: str) -> Any:
+    """The function that serves an interface."""
+    try:
+        return import_module(f"...live.{module}", __name__).serve
+    except ModuleNotFoundError as missing:
+        raise InvalidInput(
+            "live interface {0}: the Python package {1} is missing", module, package, remedy=f"pip install {package}"
+        ) from missing
+
+
+async def _open_http(opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, port: int) -> str:
+    """Serve HTTP; returns the address of the page."""
+    serve = _serving("http", "aiohttp")
+    await opened.enter_async_context(serve(server, arguments.host, port, arguments.token))
+    suffix = f"?token={arguments.token}" if arguments.token else ""
+    return f"http://{arguments.host}:{port}/{suffix}"
+
+
+async def _open_airsim(opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, port: int) -> str:
+    """Serve AirSim's clients, which have no tokens."""
+    if arguments.host not in LOOPBACK:
+        raise InvalidInput("AirSim's interface at {0}: has no tokens, so it serves this machine alone", arguments.host)
+    serve = _serving("airsim", "msgpack")
+    await opened.enter_async_context(await serve(server, arguments.host, port))
+    return f"{arguments.host}:{port}"
+
+
+#: Interfaces by the name of the option of their port.
+_INTERFACES = {"http": _open_http, "airsim": _open_airsim}

@@ -13,6 +13,7 @@ from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPL
 from ..capture.choices import FOLDERS, IMAGES, LAYOUTS
 from ..dataset.folder import PARTS
 from ..geodesy.lens import LENSES
+from ..live.choices import AIRSIM_PORT, HTTP_PORT
 from ..mission.options import OPTIONS, share
 from ..mission.parts import ALIGNMENTS
 from ..numbers import integer, real_number
@@ -166,7 +167,13 @@ def _add_report(reporting: argparse.ArgumentParser) -> None:
 def _add_live(serving: argparse.ArgumentParser) -> None:
     _add_mission_options(serving)
     serving.add_argument("--host", metavar="ADDRESS", default="127.0.0.1", help="address to serve at (this machine)")
-    serving.add_argument("--port", type=int, metavar="N", default=8421, help="port of HTTP (8421)")
+    for name, usual, text in (
+        ("http", HTTP_PORT, "HTTP, with a page that shows the camera (the default interface)"),
+        ("airsim", AIRSIM_PORT, "AirSim's clients"),
+    ):
+        serving.add_argument(
+            f"--{name}", type=int, metavar="PORT", nargs="?", const=usual, help=f"serve {text}; port {usual} if none"
+        )
     serving.add_argument("--token", metavar="TEXT", default="", help="what clients must give; needed for other hosts")
     serving.add_argument("--workers", type=int, metavar="N", default=1, help="frames made at once (1)")
 

@@ -9,11 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import NDArray, PixelValues
+from ..arrays import Floats, NDArray, PixelValues
 from ..bands import Bands, source_bands
 from ..capture.making import check_source
 from ..errors import InvalidInput
+from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.contract import CameraContract
+from ..geodesy.view import ImageRays
 from ..imagery.source import Part, Source
 from ..labels.label_map import LabelMap
 from ..mission.areas.area import Points
@@ -99,6 +101,15 @@ class Frame:
     def height_m(self) -> float:
         """Height of the camera above the WGS 84 ellipsoid."""
         return float(self.plan.height_m[0])
+
+    @property
+    def per_depth(self) -> Floats:
+        """Length of each pixel's ray for each metre of depth along the view, (h, w)."""
+        camera, size = self.plan.mission.camera, (self.contract.width_px, self.contract.height_px)
+        rays = ImageRays.from_scene(ImageGeometry(camera, *size, self.plan.poses, self.plan.ground))
+        x_px, y_px = rays.ideal_centres(0, size[1])
+        right, down = ((2.0 * at / side - 1.0) * tan for at, side, tan in zip((x_px, y_px), size, camera.half_tangents))
+        return np.sqrt(1.0 + right**2 + down**2)
 
     def to_json(self) -> dict[str, Any]:
         """What the frame is, without its pixels."""
@@ -200,15 +211,21 @@ class LiveCamera:
         InvalidInput
             The pose is invalid, or sees nothing that can be drawn.
         """
+        up_m, more = request.up_m, {}
+        if request.above_ellipsoid:
+            if self.heights is None:
+                up_m -= self.mission.flight.ground_height_m
+            else:
+                more = {"height_above": ELLIPSOID}
         mission = self.mission.replace(
             area=Points(
-                ((request.lat_deg, request.lon_deg, request.up_m),),
+                ((request.lat_deg, request.lon_deg, up_m),),
                 yaws_deg=(request.yaw_deg,),
                 tilts_deg=(request.tilt_deg,),
                 rolls_deg=(request.roll_deg,),
             ),
             products=tuple(request.products),
-            **({"height_above": ELLIPSOID} if request.above_ellipsoid and self.heights is not None else {}),
+            **more,
         )
         return plan(mission, self.source.grid, self.heights)
 

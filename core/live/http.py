@@ -6,7 +6,8 @@ import asyncio
 import hmac
 import json
 import math
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager
 from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
@@ -17,8 +18,9 @@ from ..errors import InvalidInput, TerrAInavError
 from ..numbers import real_number
 from ..resources import resource
 from .camera import Frame, FrameRequest
+from .choices import LOOPBACK
 from .encoding import MEDIA_TYPES, PICTURE, encode
-from .serving import LOOPBACK, BusyError, FrameServer
+from .serving import BusyError, FrameServer
 
 #: Most bytes of a message of poses.
 _MESSAGE_BYTES = 1 << 16
@@ -187,3 +189,15 @@ def _about(server: FrameServer) -> dict[str, Any]:
 
 def _refusal(status: int, text: str, headers: Mapping[str, str] | None = None) -> web.Response:
     return web.json_response({"error": text}, status=status, headers=headers)
+
+
+@asynccontextmanager
+async def serve(server: FrameServer, host: str, port: int, token: str = "") -> AsyncIterator[None]:
+    """Serve HTTP until the end of the block; raises OSError if the port cannot be used."""
+    runner = web.AppRunner(application(server, token), access_log=None)
+    await runner.setup()
+    try:
+        await web.TCPSite(runner, host, port).start()
+        yield
+    finally:
+        await runner.cleanup()

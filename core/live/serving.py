@@ -14,8 +14,6 @@ Made = TypeVar("Made")
 
 #: Most requests that wait for a worker.
 WAITING = 64
-#: Addresses that only programs on this machine reach.
-LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 
 class BusyError(TerrAInavError):
