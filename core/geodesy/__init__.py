@@ -5,6 +5,7 @@ In reading order:
 - `ellipsoid`: radii, areas, and intersections of rays with the ground
 - `lens`: field of view, distortion and ground size of cameras, in plain numbers
 - `distortion`: distortion of lenses, and its inverse
+- `contract`: what the pixels of a picture mean, for other programs
 - `camera`: rays and image points of cameras, and their poses
 - `footprint`: the ground that the exact camera sees: corners and outline
 - `reference`: reading coordinate reference systems safely, without files
@@ -13,6 +14,7 @@ In reading order:
 - `projections`: UTM, a conformal plane about any place, geodesics, and transformations
 - `vertical`: vertical datums by name and code
 - `local`: metres east, north and up from a place
+- `gravity`: normal gravity, and the Earth's rotation
 - `skins`: textures on triangles
 - `triangles`: triangles in the Earth's frame
 - `covered_roofs`: roofs beneath others

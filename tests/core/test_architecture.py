@@ -65,6 +65,7 @@ ROOMS = (
     "benchmark",
     "exports",
     "poses",
+    "sequences",
 )
 
 # Open to all other rooms; what lies in `core` itself (errors, limits, the shipped tables) imports no room.
@@ -93,6 +94,7 @@ ARROWS = {
     "benchmark": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "faces", "picture", "capture", "poses"},
     "exports": {*FLOOR, "geodesy", "mission", "dataset", "picture", "benchmark"},
     "poses": {*FLOOR, "geodesy", "mission", "imagery", "dataset"},
+    "sequences": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "picture", "capture", "poses"},
     "cli": {"core", *ROOMS},
 }
 
@@ -121,6 +123,7 @@ TOLD_IN_ORDER = [
         "report",
         "exports",
         "poses",
+        "sequences",
     )
 ]
 

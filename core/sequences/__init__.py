@@ -1,0 +1,8 @@
+"""Sequences: frames, inertial measurements and priors of one flight on one clock.
+
+In reading order:
+
+- `settings`: options of a sequence
+- `trajectory`: the smooth path and attitude of a body in continuous time
+- `inertial`: what an inertial unit measures on a trajectory
+"""
