@@ -88,7 +88,7 @@ async def _open_airsim(opened: AsyncExitStack, server: FrameServer, arguments: a
     if arguments.host not in LOOPBACK:
         raise InvalidInput("AirSim's interface at {0}: has no tokens, so it serves this machine alone", arguments.host)
     serve = _serving("airsim", "msgpack")
-    await opened.enter_async_context(await serve(server, arguments.host, port))
+    await opened.enter_async_context(serve(server, arguments.host, port))
     return f"{arguments.host}:{port}"
 
 

@@ -10,8 +10,8 @@ import asyncio
 import io
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -276,15 +276,17 @@ def _floats(kind: int, frame: Frame) -> list[float]:
 
 def _colours(kind: int, frame: Frame) -> Bytes:
     """Red, green and blue (h, w, 3) of an image."""
+    colours: Bytes
     if kind == SCENE:
-        picture: Bytes = frame.picture[..., :3]
-        colours: Bytes = picture if picture.shape[-1] == 3 else picture[..., :1].repeat(3, axis=-1)
-        return colours
-    if kind == SURFACE_NORMALS:
+        colours = frame.picture[..., :3]
+        colours = colours if colours.shape[-1] == 3 else colours[..., :1].repeat(3, axis=-1)
+    elif kind == SURFACE_NORMALS:
         normals = frame.products["normals"][..., :3]
-        return np.where(np.isnan(normals), 0.0, np.rint((normals + 1.0) * 127.5)).astype(np.uint8)
-    ids = frame.products[INSTANCES].astype(np.uint32)
-    return np.stack([ids >> 16 & 255, ids >> 8 & 255, ids & 255], axis=-1).astype(np.uint8)
+        colours = np.where(np.isnan(normals), 0.0, np.rint((normals + 1.0) * 127.5)).astype(np.uint8)
+    else:
+        ids = frame.products[INSTANCES].astype(np.uint32)
+        colours = np.stack([ids >> 16 & 255, ids >> 8 & 255, ids & 255], axis=-1).astype(np.uint8)
+    return colours
 
 
 def _png(pixels: Bytes) -> bytes:
@@ -293,13 +295,15 @@ def _png(pixels: Bytes) -> bytes:
     return buffer.getvalue()
 
 
-async def serve(server: FrameServer, host: str, port: int) -> asyncio.Server:
-    """Serve AirSim's clients."""
+@asynccontextmanager
+async def serve(server: FrameServer, host: str, port: int) -> AsyncIterator[None]:
+    """Serve AirSim's clients until the end of the block; raises OSError if the port cannot be used."""
     world = AirSim(server)
+    conversations: set[asyncio.Task[None]] = set()
 
     async def converse(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         unpacker, packer = msgpack.Unpacker(max_buffer_size=_MESSAGE_BYTES), msgpack.Packer()
-        with suppress(ConnectionError, msgpack.exceptions.UnpackException, ValueError):
+        try:
             while data := await reader.read(1 << 16):
                 unpacker.feed(data)
                 for message in unpacker:
@@ -307,9 +311,25 @@ async def serve(server: FrameServer, host: str, port: int) -> asyncio.Server:
                     if answer is not None:
                         writer.write(packer.pack(answer))
                         await writer.drain()
-        writer.close()
+        except (OSError, ValueError, msgpack.exceptions.UnpackException):
+            # The client is gone, or sends what is no message.
+            pass
+        finally:
+            writer.close()
 
-    return await asyncio.start_server(converse, host, port)
+    def begin(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        conversation = asyncio.ensure_future(converse(reader, writer))
+        conversations.add(conversation)
+        conversation.add_done_callback(conversations.discard)
+
+    listening = await asyncio.start_server(begin, host, port)
+    try:
+        yield
+    finally:
+        listening.close()
+        for conversation in conversations:
+            conversation.cancel()
+        await asyncio.gather(*conversations, return_exceptions=True)
 
 
 async def _answer(world: AirSim, message: Any) -> list[Any] | None:
