@@ -194,7 +194,7 @@ def _refusal(status: int, text: str, headers: Mapping[str, str] | None = None) -
 @asynccontextmanager
 async def serve(server: FrameServer, host: str, port: int, token: str = "") -> AsyncIterator[None]:
     """Serve HTTP until the end of the block; raises OSError if the port cannot be used."""
-    runner = web.AppRunner(application(server, token), access_log=None)
+    runner = web.AppRunner(application(server, token), access_log=None, shutdown_timeout=1.0)
     await runner.setup()
     try:
         await web.TCPSite(runner, host, port).start()

@@ -157,7 +157,7 @@ def test_several_cameras_share_one_stamp_and_say_where_they_are():
         for packed, plain in (images[:2], images[2:]):
             assert np.array_equal(np.asarray(Image.open(io.BytesIO(packed.image_data_uint8))), colours(plain))
             info = client.simGetCameraInfo(AHEAD if packed is images[0] else DOWN)
-            assert info.pose.position.x_val == packed.camera_position["x_val"]
+            assert info.pose.position.x_val == packed.camera_position.x_val
         assert not np.array_equal(colours(images[1]), colours(images[3]))
 
 
