@@ -24,6 +24,8 @@ FORBIDDEN = {"qgis", "PyQt4", "PyQt5", "PyQt6", "PySide2", "PySide6", "sip"}
 SLOW = {"PIL", "asyncio", "concurrent.futures", "pyproj", "requests", "sqlite3", "ssl", "urllib3"}
 # What may be missing on a machine where the command has to work, or is slow to import where it is not used.
 ON_DEMAND = {
+    "aiohttp",
+    "msgpack",
     "matplotlib",
     "rasterio",
     "osgeo",
@@ -59,6 +61,7 @@ ROOMS = (
     "labels",
     "picture",
     "capture",
+    "live",
     "report",
     "mosaic",
     "pairs",
@@ -88,6 +91,7 @@ ARROWS = {
     "labels": {*FLOOR, "geodesy", "vectors"},
     "picture": {*FLOOR, "geodesy", "camera", "mission", "imagery", "elevation", "vectors", "faces", "labels"},
     "capture": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "labels", "picture"},
+    "live": {*FLOOR, "geodesy", "mission", "imagery", "labels", "picture", "capture"},
     "report": {*FLOOR, "geodesy", "camera", "mission", "imagery", "world", "dataset", "picture", "capture"},
     "mosaic": {*FLOOR, "geodesy", "mission", "dataset", "picture", "capture"},
     "pairs": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
@@ -119,6 +123,7 @@ TOLD_IN_ORDER = [
         "vectors",
         "picture",
         "capture",
+        "live",
         "mosaic",
         "report",
         "exports",
