@@ -12,9 +12,14 @@ def resource(name: str) -> Path:
     return Path(__file__).resolve().parents[1] / "resources" / name
 
 
+def read_text(name: str) -> str:
+    """Content of a text file in ``resources/``."""
+    return resource(name).read_text(encoding="utf-8")
+
+
 def read_json(name: str) -> Any:
     """Content of a JSON file in ``resources/``."""
-    return json.loads(resource(name).read_text(encoding="utf-8"))
+    return json.loads(read_text(name))
 
 
 def version() -> str:

@@ -10,7 +10,7 @@ from contextlib import AsyncExitStack, closing, suppress
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..live.choices import HTTP_PORT, LOOPBACK
 from ..text.plain import printable
 from .exits import DONE
@@ -71,7 +71,10 @@ def _serving(module: str, package: str) -> Any:
         return import_module(f"...live.{module}", __name__).serve
     except ModuleNotFoundError as missing:
         raise InvalidInput(
-            "live interface {0}: the Python package {1} is missing", module, package, remedy=f"pip install {package}"
+            "live interface {0}: {1} is not installed",
+            module,
+            package,
+            remedy=Message("get it with: pip install 'terrainav[live]'"),
         ) from missing
 
 

@@ -26,7 +26,7 @@ from ..geodesy.camera import attitude_from_axes
 from ..geodesy.local import LocalFrame
 from ..geodesy.quaternions import quaternions_from_matrices, rotation_matrices
 from ..mission.parts import INSTANCES
-from .camera import Frame, FrameRequest
+from .camera import FrameRequest, LiveFrame
 from .serving import FrameServer
 
 #: Version of the interface that this is, and the oldest of clients that it serves.
@@ -49,14 +49,14 @@ _CAMERAS = {
 
 
 @dataclass
-class Placed:
+class BodyPose:
     """Position in metres and attitude as a quaternion (w, x, y, z), in the axes of what carries it."""
 
     position_m: Floats = field(default_factory=lambda: np.zeros(3))
     quaternion: Floats = field(default_factory=lambda: np.array(_LEVEL))
 
     @classmethod
-    def read(cls, pose: Any) -> Placed:
+    def read(cls, pose: Any) -> BodyPose:
         """Read AirSim's ``Pose``; raises InvalidInput unless it is one."""
         try:
             position = np.array([pose["position"][f"{axis}_val"] for axis in "xyz"], np.float64)
@@ -68,11 +68,11 @@ class Placed:
             raise InvalidInput("pose: position and orientation must be finite, and the quaternion not zero")
         return cls(position, quaternion / length)
 
-    def on(self, carrier: Placed) -> Placed:
+    def on(self, carrier: BodyPose) -> BodyPose:
         """Return the pose in the axes that the carrier's pose is in."""
         turn = carrier.turn
         quaternion = quaternions_from_matrices((turn @ self.turn)[np.newaxis])[0]
-        return Placed(carrier.position_m + turn @ self.position_m, quaternion)
+        return BodyPose(carrier.position_m + turn @ self.position_m, quaternion)
 
     @property
     def turn(self) -> Floats:
@@ -100,8 +100,11 @@ class AirSim:
         start = server.camera.start
         ground = server.camera.plan(start)
         self.home = LocalFrame(start.lat_deg, start.lon_deg, float(ground.ground_m[0]))
-        self._first = Placed(np.array([0.0, 0.0, -start.up_m]))
-        self.vehicle, self.cameras = self._first, {name: Placed(quaternion=np.array(q)) for name, q in _CAMERAS.items()}
+        self._first = BodyPose(np.array([0.0, 0.0, -start.up_m]))
+        self.vehicle, self.cameras = (
+            self._first,
+            {name: BodyPose(quaternion=np.array(q)) for name, q in _CAMERAS.items()},
+        )
         self._methods: dict[str, Callable[..., Any]] = {
             "ping": lambda: True,
             "getServerVersion": lambda: VERSION,
@@ -146,20 +149,20 @@ class AirSim:
 
     def _reset(self) -> None:
         self.vehicle = self._first
-        self.cameras = {name: Placed(quaternion=np.array(q)) for name, q in _CAMERAS.items()}
+        self.cameras = {name: BodyPose(quaternion=np.array(q)) for name, q in _CAMERAS.items()}
 
     def _home(self, _: str = "") -> dict[str, float]:
         home = self.home
         return {"latitude": home.lat_deg, "longitude": home.lon_deg, "altitude": home.height_m}
 
     def _set_vehicle(self, pose: Any, _ignores_collisions: bool = True, _vehicle: str = "") -> None:
-        self.vehicle = Placed.read(pose)
+        self.vehicle = BodyPose.read(pose)
 
     def _set_camera(self, name: str, pose: Any, _vehicle: str = "") -> None:
         self._camera(name)
-        self.cameras[name] = Placed.read(pose)
+        self.cameras[name] = BodyPose.read(pose)
 
-    def _camera(self, name: str) -> Placed:
+    def _camera(self, name: str) -> BodyPose:
         if name not in self.cameras:
             raise InvalidInput("camera {0!r}: must be one of {1}", name, ", ".join(self.cameras))
         return self.cameras[name]
@@ -212,7 +215,7 @@ class AirSim:
             )
         return _PRODUCTS[kind]
 
-    def request(self, camera: Placed, time_s: float, products: tuple[str, ...] = ()) -> FrameRequest:
+    def request(self, camera: BodyPose, time_s: float, products: tuple[str, ...] = ()) -> FrameRequest:
         """Request for a frame of a camera placed in the axes of home."""
         north, east, down = camera.position_m.tolist()
         lat, lon, height = (float(at) for at in self.home.geodetic(np.array([east, north, -down])))
@@ -231,13 +234,13 @@ def _field(values: Any, name: str, kind: type) -> Any:
 
 
 def _responses(
-    asked: Sequence[Mapping[str, Any]], frames: Mapping[str, Frame], placed: Mapping[str, Placed], stamp_ns: int
+    asked: Sequence[Mapping[str, Any]], frames: Mapping[str, LiveFrame], placed: Mapping[str, BodyPose], stamp_ns: int
 ) -> list[dict[str, Any]]:
     """AirSim's ``ImageResponse`` of each request."""
     return [_response(one, frames[one["camera_name"]], placed[one["camera_name"]], stamp_ns) for one in asked]
 
 
-def _response(asked: Mapping[str, Any], frame: Frame, placed: Placed, stamp_ns: int) -> dict[str, Any]:
+def _response(asked: Mapping[str, Any], frame: LiveFrame, placed: BodyPose, stamp_ns: int) -> dict[str, Any]:
     kind, as_float = asked["image_type"], bool(asked.get("pixels_as_float"))
     compressed = bool(asked.get("compress", True)) and not as_float
     colours, values = b"", []
@@ -263,7 +266,7 @@ def _response(asked: Mapping[str, Any], frame: Frame, placed: Placed, stamp_ns: 
     }
 
 
-def _floats(kind: int, frame: Frame) -> list[float]:
+def _floats(kind: int, frame: LiveFrame) -> list[float]:
     """Metres to what the pixels show: along the view, or along each pixel's ray; 65504 where they see none."""
     if kind not in (DEPTH_PLANAR, DEPTH_PERSPECTIVE):
         raise InvalidInput("image type {0}: has no floating point values, and depth 1 or 2 have", kind)
@@ -274,7 +277,7 @@ def _floats(kind: int, frame: Frame) -> list[float]:
     return values
 
 
-def _colours(kind: int, frame: Frame) -> Bytes:
+def _colours(kind: int, frame: LiveFrame) -> Bytes:
     """Red, green and blue (h, w, 3) of an image."""
     colours: Bytes
     if kind == SCENE:

@@ -66,7 +66,7 @@ class FrameRequest(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class LiveFrame:
     """A picture on request, with all that belongs to its pose.
 
     Attributes
@@ -229,7 +229,7 @@ class LiveCamera:
         )
         return plan(mission, self.source.grid, self.heights)
 
-    def take(self, request: FrameRequest, wait_s: float | None = None) -> Frame:
+    def take(self, request: FrameRequest, wait_s: float | None = None) -> LiveFrame:
         """Take a picture.
 
         Parameters
@@ -261,7 +261,7 @@ class LiveCamera:
         picture = resized(picture, planned.mission.output.img_size, self._bands)
         size = picture.shape[1], picture.shape[0]
         found = dict(products(planned, 0, size, shot, self.labels)) if request.products else {}
-        return Frame(
+        return LiveFrame(
             request,
             planned,
             picture,

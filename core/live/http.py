@@ -16,8 +16,9 @@ from aiohttp import WSMsgType, web
 
 from ..errors import InvalidInput, TerrAInavError
 from ..numbers import real_number
-from ..resources import resource
-from .camera import Frame, FrameRequest
+from ..resources import read_text
+from ..text.safe_json import parse_json
+from .camera import FrameRequest, LiveFrame
 from .choices import LOOPBACK
 from .encoding import MEDIA_TYPES, PICTURE, encode
 from .serving import BusyError, FrameServer
@@ -39,7 +40,7 @@ _OTHERS = ("image", "format", "deadline_ms", "id", "token")
 _Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
-class _Asked:
+class FrameQuery:
     """A frame and its form, as a client asks for them."""
 
     def __init__(self, values: Mapping[str, Any]) -> None:
@@ -50,7 +51,9 @@ class _Asked:
             if name not in values:
                 raise InvalidInput("parameter {0}: is missing", name)
         if ("agl" in values) == ("height" in values):
-            raise InvalidInput("parameters agl and height: give one of the two, metres above ground or the ellipsoid")
+            raise InvalidInput(
+                "parameters agl and height: must be one of the two, metres above ground or the ellipsoid"
+            )
         numbers = {field: _number(name, values[name]) for name, field in _FIELDS.items() if name in values}
         self.image, self.format = str(values.get("image", PICTURE)), str(values.get("format", "jpg"))
         products = () if self.image == PICTURE else (self.image,)
@@ -77,7 +80,7 @@ def application(server: FrameServer, token: str = "") -> web.Application:
     token : str
         What clients must give, as ``Authorization: Bearer TOKEN`` or ``?token=TOKEN``; empty for none.
     """
-    page = resource("live.html").read_text(encoding="utf-8")
+    page = read_text("live.html")
 
     @web.middleware
     async def checked(request: web.Request, handler: _Handler) -> web.StreamResponse:
@@ -104,7 +107,7 @@ def application(server: FrameServer, token: str = "") -> web.Application:
         return web.json_response(await server.run(lambda: _about(server)))
 
     async def frame(request: web.Request) -> web.Response:
-        asked = _Asked(request.query)
+        asked = FrameQuery(request.query)
         made, data = await server.run(partial(_made, server, asked))
         if asked.format == "json":
             return web.json_response(made.to_json())
@@ -133,14 +136,12 @@ async def _answer_poses(server: FrameServer, socket: web.WebSocketResponse) -> N
             text = await newest.get()
             asked_id = None
             try:
-                values = json.loads(text)
+                values = parse_json(text)
                 if not isinstance(values, dict):
                     raise InvalidInput("message: must be a JSON object with lat, lon and agl")
                 asked_id = values.get("id")
-                asked = _Asked(values)
+                asked = FrameQuery(values)
                 made, data = await server.run(partial(_made, server, asked))
-            except json.JSONDecodeError as wrong:
-                await socket.send_json({"id": asked_id, "error": f"message: is no JSON ({wrong})"})
             except TerrAInavError as wrong:
                 await socket.send_json({"id": asked_id, "error": str(wrong)})
             else:
@@ -160,8 +161,8 @@ async def _answer_poses(server: FrameServer, socket: web.WebSocketResponse) -> N
         answering.cancel()
 
 
-def _made(server: FrameServer, asked: _Asked) -> tuple[Frame, bytes]:
-    """Frame and its image file; no file for JSON."""
+def _made(server: FrameServer, asked: FrameQuery) -> tuple[LiveFrame, bytes]:
+    """LiveFrame and its image file; no file for JSON."""
     frame = server.camera.take(asked.request, asked.wait_s)
     if asked.format == "json":
         return frame, b""

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 from ..errors import TerrAInavError
-from .camera import Frame, FrameRequest, LiveCamera
+from .camera import FrameRequest, LiveCamera, LiveFrame
 
 Made = TypeVar("Made")
 
@@ -36,7 +36,7 @@ class FrameServer:
         self._most_waiting, self._workers, self._under_way = most_waiting, workers, 0
         self._pool = ThreadPoolExecutor(workers, "terrainav-frames")
 
-    async def frame(self, request: FrameRequest, wait_s: float | None = None) -> Frame:
+    async def frame(self, request: FrameRequest, wait_s: float | None = None) -> LiveFrame:
         """Take a picture; errors are those of `LiveCamera.take`.
 
         Raises

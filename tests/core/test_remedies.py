@@ -15,6 +15,7 @@ from tests.core.remedies import (  # noqa: F401
     imagery,
     labels,
     lines,
+    live,
     missions,
     pairs,
     planning,

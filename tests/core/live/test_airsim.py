@@ -22,7 +22,7 @@ from terrainav.core.capture.labels import open_labels
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.geotiff import parse_geotiff
 from terrainav.core.geodesy.camera import image_axes
-from terrainav.core.live.airsim import AirSim, Placed, serve
+from terrainav.core.live.airsim import AirSim, BodyPose, serve
 from terrainav.core.live.serving import FrameServer
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.plan import plan
@@ -80,7 +80,7 @@ def random_poses(count, seed):
 
 def carried(world, camera, pose):
     """Request for a camera of a vehicle at a pose."""
-    placed = Placed.read({"position": pose.position.to_msgpack(), "orientation": pose.orientation.to_msgpack()})
+    placed = BodyPose.read({"position": pose.position.to_msgpack(), "orientation": pose.orientation.to_msgpack()})
     return world.request(world.cameras[camera].on(placed), 0.0)
 
 

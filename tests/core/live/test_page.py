@@ -75,9 +75,9 @@ def test_keys_move_the_camera_and_the_picture_follows(page, key, name):
     page.evaluate("Object.assign(pose, {yaw: 0})")
     before, picture = pose(page), shown(page)
     frames = page.evaluate("Number(document.body.dataset.frames)")
-    page.keyboard.down(key)
-    wait_for_frames(page, frames + 3)
-    page.keyboard.up(key)
+    page.keyboard.press(key, delay=200.0)
+    wait_for_frames(page, frames + 1)
+    page.wait_for_function("!waiting && !changed", timeout=60_000)
     after = pose(page)
     assert after[name] > before[name]
     others = set(after) - {name}
