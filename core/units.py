@@ -59,6 +59,7 @@ UNITS = {
     "DN": Unit(Message("DN"), Message("digital numbers"), " DN", 1),
     "DN/e": Unit(Message("DN/e-"), Message("digital numbers per electron"), " DN/e⁻", 4),
     "min": Unit(Message("min"), Message("minutes"), " min", 1),
+    "Hz": Unit(Message("Hz"), Message("hertz"), " Hz", 3),
     "lx": Unit(Message("lx"), Message("lux"), " lx", 1),
     "K": Unit(Message("K"), Message("kelvins"), " K", 0),
     "share": Unit(Message("%"), Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0),

@@ -19,6 +19,7 @@ DEBUG_ENV = "TERRAINAV_DEBUG"
 _COMMANDS = {
     "plan": ("flying", "run_plan"),
     "capture": ("flying", "run_capture"),
+    "fly": ("sequencing", "run_fly"),
     "clean": ("datasets", "run_clean"),
     "split": ("datasets", "run_split"),
     "convert": ("datasets", "run_convert"),

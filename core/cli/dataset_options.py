@@ -8,6 +8,7 @@ from typing import Any
 
 from ..dataset.folder import DEFAULT_ENTROPY, FRAMES, LAYOUTS, PARTS, SEED, SHARES, TARGETS, TRAIN, WAYS
 from ..exports.kinds import KINDS
+from ..fields import Field
 from ..geodesy.lens import Lens
 from ..map_types import MAP_TYPES
 from ..mission.options import OPTIONS, Option
@@ -73,6 +74,22 @@ def add_option(group: Any, option: Option, text: str = "", **more: Any) -> None:
     many: Any = None if option.count is None else high if low == high else "+"
     metavar = option.metavar or (f"{{{','.join(option.choices)}}}" if option.choices else None)
     group.add_argument(name, nargs=many, metavar=metavar, help=text or option.full_help, **more)
+
+
+def add_field(group: Any, field: Field, default: str = "") -> None:
+    """Add the option of a declared field; ``default`` describes a default that depends on other options."""
+    option = Option.from_field(field)
+    text = (option.full_help, *(f"{value}: {label}" for value, label in field.choices.items()), default)
+    more = {"choices": option.choices} if option.choices else {}
+    add_option(
+        group,
+        option,
+        "; ".join(filter(None, text)),
+        type=field.kind,
+        required=field.needed,
+        default=option.default,
+        **more,
+    )
 
 
 def add_json(command: argparse.ArgumentParser, default: Any = False) -> None:

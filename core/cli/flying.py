@@ -416,7 +416,16 @@ class Bar:
 
 def run_capture(arguments: argparse.Namespace) -> int:
     """Capture a mission into a folder."""
-    mission, values = mission_settings(arguments)
+    return capture_mission(*mission_settings(arguments), arguments, lambda mission, _: mission)
+
+
+def capture_mission(
+    mission: Mission,
+    values: dict[str, Any],
+    arguments: argparse.Namespace,
+    change: Callable[[Mission, PixelGrid], Mission],
+) -> int:
+    """Capture what ``change`` makes of a mission, once its rows and airspeed are chosen, and print the result."""
     if not values["data_dir"]:
         # Probably an unset variable of the shell, which must not mean the current folder.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
@@ -430,7 +439,8 @@ def run_capture(arguments: argparse.Namespace) -> int:
                 sources[name] = _named_source(one, values, open_cache(values), as_stored=_as_written(one))
             else:
                 sources[name] = opened.enter_context(open_mission_source(one, values, as_stored=_as_written(one)))
-        mission = _fit_flight(mission, arguments, values, next(iter(sources.values())).grid)
+        grid = next(iter(sources.values())).grid
+        mission = change(_fit_flight(mission, arguments, values, grid), grid)
         each = mission.missions_by_imagery or {"": mission}
         with cancellable(lambda: bool(signals)):
             engine = _engine(arguments, opened)

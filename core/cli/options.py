@@ -152,6 +152,13 @@ def _add_capture(capturing: argparse.ArgumentParser) -> None:
     capturing.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
+def _add_fly(flying: argparse.ArgumentParser) -> None:
+    from .sequence_options import add_sequence
+
+    _add_capture(flying)
+    add_sequence(flying)
+
+
 def _add_report(reporting: argparse.ArgumentParser) -> None:
     _add_mission_options(reporting)
     made = reporting.add_mutually_exclusive_group(required=True)
@@ -474,6 +481,9 @@ def _add_cache_dir(command: argparse.ArgumentParser, default: Any) -> None:
 _COMMANDS = {
     "plan": _Command(_add_plan, help="plan a mission and print its figures; downloads nothing"),
     "capture": _Command(_add_capture, help="capture a mission into a folder (--data-dir)"),
+    "fly": _Command(
+        _add_fly, help="capture a flight as a sequence: frames at a constant rate, inertial measurements and priors"
+    ),
     "report": _Command(_add_report, help="measure a mission's error against run time; writes a page"),
     "clean": _Command(add_clean, help="reject low-detail images of a dataset; deletes nothing"),
     "split": _Command(add_split, help="divide the images of a dataset into training, validation and test"),

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..fields import Field, declared_fields
-from ..mission.options import OPTIONS, Option
+from ..fields import declared_fields
+from ..mission.options import OPTIONS
 from ..mission.parts import Flight
 from ..poses.settings import Corridor, LineFlight, Orbit, PoseFile, Scan, Sensors
-from .dataset_options import add_option
+from .dataset_options import add_field, add_option
 
 #: Names of a mission's options for the camera and its overlaps.
 CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio", "overlap")
@@ -34,7 +34,7 @@ def _add_read(actions: Any) -> None:
     )
     _add_output(reading)
     fields = {field.name: field for field in declared_fields(PoseFile)}
-    _add_field(reading, fields["format"])
+    add_field(reading, fields["format"])
     local = reading.add_argument_group("tum, kitti and euroc, in metres of a local frame")
     # Any number of values, as PoseFile refuses wrong numbers with a better message.
     local.add_argument(
@@ -44,11 +44,11 @@ def _add_read(actions: Any) -> None:
         metavar="DEG",
         help=f"LAT LON [HEIGHT]: {fields['origin'].help} (0)",
     )
-    _add_field(local, fields["body"], "default camera; needed for euroc")
-    _add_field(local, fields["world"], "default enu, or rdf for kitti")
+    add_field(local, fields["body"], "default camera; needed for euroc")
+    add_field(local, fields["world"], "default enu, or rdf for kitti")
     others = reading.add_argument_group("heights, times and attitude")
     for name in ("ground_height_m", "agl_m", "nadir", "every_s", "every_m", "times", "flight"):
-        _add_field(others, fields[name])
+        add_field(others, fields[name])
     others.add_argument("--start", metavar="TIME", help="time of the first position (ISO 8601), if not the file's")
 
 
@@ -92,7 +92,7 @@ def _add_line(actions: Any) -> None:
     _add_output(flying)
     every = flying.add_mutually_exclusive_group(required=True)
     for field in declared_fields(LineFlight):
-        _add_field(every if field.optional else flying, field)
+        add_field(every if field.optional else flying, field)
     flying.add_argument(
         "--agl", type=float, metavar="M", help="height above ground (default: the line's third coordinates)"
     )
@@ -107,29 +107,13 @@ def _add_line(actions: Any) -> None:
 _LINES = "GeoJSON file of LineStrings, flown one after another"
 
 
-def _add_field(group: Any, field: Field, default: str = "") -> None:
-    """Add the option of a declared field; ``default`` describes a default that depends on other options."""
-    option = Option.from_field(field)
-    text = (option.full_help, *(f"{value}: {label}" for value, label in field.choices.items()), default)
-    more = {"choices": option.choices} if option.choices else {}
-    add_option(
-        group,
-        option,
-        "; ".join(filter(None, text)),
-        type=field.kind,
-        required=field.needed,
-        default=option.default,
-        **more,
-    )
-
-
 def _add_corridor(actions: Any) -> None:
     corridor = actions.add_parser("corridor", help="make a table of rows along a line that cover a strip")
     corridor.add_argument("file", metavar="LINE", help=_LINES)
     _add_output(corridor)
     corridor.add_argument("--agl", type=float, required=True, metavar="M", help="height above ground in metres")
     for field in declared_fields(Corridor):
-        _add_field(corridor, field)
+        add_field(corridor, field)
     _add_camera(corridor)
 
 
@@ -140,7 +124,7 @@ def _add_orbit(actions: Any) -> None:
         orbit.add_argument(f"{axis}_deg", type=float, metavar=axis.upper(), help="of the centre, in degrees")
     _add_output(orbit)
     for field in declared_fields(Orbit):
-        _add_field(orbit, field)
+        add_field(orbit, field)
 
 
 def _add_scans(actions: Any) -> None:
@@ -156,7 +140,7 @@ def _add_scans(actions: Any) -> None:
     for command in (facade, structure):
         _add_output(command)
         for field in declared_fields(Scan):
-            _add_field(command, field)
+            add_field(command, field)
         _add_camera(command)
 
 
@@ -174,6 +158,12 @@ def _add_priors(actions: Any) -> None:
         help="write simulated measurements of GNSS, barometer and compass beside a dataset's tables",
     )
     measuring.add_argument("folder", metavar="OUT", help="the dataset's folder")
+    add_sensor_errors(measuring)
+    _add_seed(measuring)
+
+
+def add_sensor_errors(group: Any) -> None:
+    """Add the options of `Sensors`."""
     for name, default, what in (
         ("gnss", Sensors.gnss_m, "standard deviation of the place along each of east and north, m"),
         ("barometer", Sensors.barometer_m, "standard deviation of the height, m"),
@@ -184,8 +174,8 @@ def _add_priors(actions: Any) -> None:
             "time constant of drift, which is half of each variance, s; 0 for white noise only",
         ),
     ):
-        measuring.add_argument(f"--{name}", type=float, default=default, metavar="X", help=f"{what} (%(default)g)")
-    measuring.add_argument(
+        group.add_argument(f"--{name}", type=float, default=default, metavar="X", help=f"{what} (%(default)g)")
+    group.add_argument(
         "--outages",
         nargs=2,
         type=float,
@@ -194,7 +184,6 @@ def _add_priors(actions: Any) -> None:
         help="share of the time without a GNSS fix, and mean length of an outage, s "
         f"({Sensors.outage_share:g} {Sensors.outage_s:g})",
     )
-    _add_seed(measuring)
 
 
 def _add_seed(command: argparse.ArgumentParser) -> None:

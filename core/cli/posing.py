@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from ..geodesy.camera import Camera, Poses
     from ..mission.areas.area import Box, Points, Polygon, Polygons
-    from ..poses.settings import Scan
+    from ..poses.settings import Scan, Sensors
 
 
 def run_poses(arguments: argparse.Namespace) -> int:
@@ -183,12 +183,17 @@ def _write(points: Points, path: str) -> None:
     print(printable(f"{len(points.poses):,} poses in {path}"))
 
 
-def _priors(arguments: argparse.Namespace) -> int:
-    from ..poses.priors import PRIORS_FILE, write_priors
+def sensor_errors(arguments: argparse.Namespace) -> Sensors:
+    """Errors of GNSS receiver, barometer and compass from the command's options."""
     from ..poses.settings import Sensors
 
     share, seconds = arguments.outages
-    sensors = Sensors(arguments.gnss, arguments.barometer, arguments.compass, arguments.drift, share, seconds)
-    for name, without_place in write_priors(arguments.folder, sensors, arguments.seed).items():
+    return Sensors(arguments.gnss, arguments.barometer, arguments.compass, arguments.drift, share, seconds)
+
+
+def _priors(arguments: argparse.Namespace) -> int:
+    from ..poses.priors import PRIORS_FILE, write_priors
+
+    for name, without_place in write_priors(arguments.folder, sensor_errors(arguments), arguments.seed).items():
         print(printable(f"{name:11s} {PRIORS_FILE} beside the table; no place in {without_place:,} rows"))
     return DONE

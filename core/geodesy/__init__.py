@@ -15,6 +15,7 @@ In reading order:
 - `vertical`: vertical datums by name and code
 - `local`: metres east, north and up from a place
 - `gravity`: normal gravity, and the Earth's rotation
+- `magnetic`: the Earth's main magnetic field
 - `skins`: textures on triangles
 - `triangles`: triangles in the Earth's frame
 - `covered_roofs`: roofs beneath others

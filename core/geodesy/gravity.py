@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..arrays import Floats
-from .ellipsoid import WGS84
+from .ellipsoid import WGS84, arctan2
 
 #: Angular velocity of the Earth in rad/s, and gravitational constant of Earth and atmosphere in m³/s² (WGS 84).
 EARTH_RATE_RAD_PER_S = 7.292115e-5
@@ -28,7 +28,7 @@ def normal_gravity(points_m: Floats) -> Floats:
     u2 = 0.5 * excess * (1.0 + np.sqrt(1.0 + (2.0 * e * z / excess) ** 2))
     u, r2 = np.sqrt(u2), u2 + e * e
     r = np.sqrt(r2)
-    beta = np.arctan2(z * r, u * across)
+    beta = arctan2(z * r, u * across)
     sine, cosine = np.sin(beta), np.cos(beta)
     w = np.sqrt((u2 + (e * sine) ** 2) / r2)
     turning = (rate * WGS84.a_m) ** 2

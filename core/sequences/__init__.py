@@ -5,4 +5,6 @@ In reading order:
 - `settings`: options of a sequence
 - `trajectory`: the smooth path and attitude of a body in continuous time
 - `inertial`: what an inertial unit measures on a trajectory
+- `priors`: readings of a GNSS receiver, a barometer and a magnetometer
+- `flying`: a flight as a sequence: trajectory, mission of its frames, and tables
 """
