@@ -119,7 +119,7 @@ make_environment() {
     # What results are compared with; it brings a numpy of its own, which must not meet QGIS's.
     "$PYTHON" -m venv .venv/peers
     .venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-input \
-        'scikit-image>=0.24,<1' 'colour-science>=0.4.6,<0.5' lxml 'pvlib>=0.11,<1' 'pycolmap>=4.2,<5' piexif
+        'scikit-image>=0.24,<1' 'colour-science>=0.4.6,<0.5' lxml 'pvlib>=0.11,<1' 'pycolmap>=4.2,<5' piexif 'evo>=1.31,<2'
     # Of what it requires besides, its reports alone have a use.
     .venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-input --no-deps 'emva1288==1.0.2'
 }

@@ -9,6 +9,7 @@ In reading order:
 - `huggingface`: folders of images with a card, for Hugging Face's library ``datasets``
 - `masks`: areas, boxes, run lengths and outlines of the classes and instances in an image
 - `label_sets`: images with labels in the layouts of COCO and YOLO
+- `sequences`: flights with inertial data in EuRoC's layout and as ROS 2 bags
 - `croissant`: a description of a dataset's files and records
 - `stac`: images as STAC items in one GeoParquet table, and their collection
 - `scenes`: ground of a benchmark in metres: points seen by queries, and the reference with heights

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ..dataset.entropy import Report
 
-#: Titles of formats by name, for camera frames, for datasets, for datasets with labels and for benchmarks.
+#: Titles of formats by name, for camera frames, datasets, datasets with labels, sequences and benchmarks.
 VIEWS: dict[str, str] = {
     "colmap": "COLMAP",
     "nerfstudio": "nerfstudio",
@@ -31,6 +31,11 @@ LABEL_SETS = {
     "coco": "COCO",
     "yolo": "YOLO",
 }
+SEQUENCES: dict[str, str] = {
+    "euroc": Message("EuRoC dataset (ASL)"),
+    "rosbag2": Message("ROS 2 bag"),
+    "mcap": Message("ROS 2 bag as MCAP"),
+}
 BENCHMARKS = {
     "university-1652": "University-1652",
     "denseuav": "DenseUAV",
@@ -39,7 +44,7 @@ BENCHMARKS = {
     "ortholoc": "OrthoLoC",
     "anyvisloc": "AnyVisLoc",
 }
-KINDS: dict[str, str] = {**VIEWS, **DATASETS, **LABEL_SETS, **BENCHMARKS}
+KINDS: dict[str, str] = {**VIEWS, **DATASETS, **LABEL_SETS, **SEQUENCES, **BENCHMARKS}
 #: Formats that are written into the dataset's folder by default.
 BESIDE_TABLES = ("parquet", "croissant", "stac")
 
@@ -101,6 +106,10 @@ def export_as(
 
         write = {"coco": write_coco, "yolo": write_yolo}[kind]
         return Exported(write(folder, target, map_type, progress), (Path(target),))
+    if kind in SEQUENCES:
+        from .sequences import write_sequence
+
+        return Exported(write_sequence(folder, target, kind, map_type, progress), (Path(target),))
     if kind in BENCHMARKS:
         from ..benchmark.folder import Benchmark
         from .localisers import export_benchmark
@@ -123,12 +132,14 @@ def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]
     from ..benchmark.folder import Benchmark
     from ..dataset.dataset import read_dataset
     from .label_sets import LabelledSet
+    from .sequences import RecordedSequence
     from .views import Views
 
     checks: tuple[tuple[dict[str, str], Callable[[], Any]], ...] = (
         (VIEWS, lambda: Views.read(folder)),
         (DATASETS, lambda: read_dataset(folder)),
         (LABEL_SETS, lambda: LabelledSet.read(folder)),
+        (SEQUENCES, lambda: RecordedSequence.read(folder)),
         (BENCHMARKS, lambda: Benchmark.read(folder)),
     )
     found: dict[str, TerrAInavError | None] = {}
@@ -139,9 +150,11 @@ def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]
         except TerrAInavError as wrong:
             reason = wrong
         found.update(dict.fromkeys(kinds, reason))
-    for kind in ("parquet", "stac"):
-        if found[kind] is None and find_spec("pyarrow") is None:
-            found[kind] = InvalidInput("format {0}: needs the Python package pyarrow, which is not installed", kind)
+    for kind, package in (("parquet", "pyarrow"), ("stac", "pyarrow"), ("rosbag2", "rosbags"), ("mcap", "rosbags")):
+        if found[kind] is None and find_spec(package) is None:
+            found[kind] = InvalidInput(
+                "format {0}: needs the Python package {1}, which is not installed", kind, package
+            )
     return found
 
 

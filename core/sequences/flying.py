@@ -26,40 +26,29 @@ from ..mission.plan import Plan
 from ..picture.optics import plan_contract
 from ..poses.settings import Sensors
 from ..poses.track import ANGLE_DIGITS, PLACE_DIGITS
-from ..storage.files import csv_bytes, json_bytes, write_whole
+from ..storage.files import json_bytes, write_whole
+from .files import (
+    BAROMETER_FILE,
+    CAMERA_FILE,
+    GNSS_FILE,
+    INERTIAL_FILE,
+    MAGNETOMETER_FILE,
+    SCHEMA,
+    SEQUENCE_FILE,
+    TRAJECTORY_FILE,
+    write_table,
+)
 from .inertial import exact_inertial, measured_inertial
 from .priors import gnss_places, magnetic_fields_nt, pressures_pa
 from .settings import InertialErrors, SequenceSettings
 from .trajectory import Motion, Rig, Trajectory, uniform_b_spline
 
-#: Files of a sequence beside those of its dataset.
-SEQUENCE_FILE, CAMERA_FILE = "sequence.json", "camera.json"
-TRAJECTORY_FILE, INERTIAL_FILE = "trajectory.csv", "imu.csv"
-GNSS_FILE, BAROMETER_FILE, MAGNETOMETER_FILE = "gnss.csv", "barometer.csv", "magnetometer.csv"
-#: Version of the sequence's file.
-SCHEMA = 1
 #: Acceleration in turns of a path without times, m/s²: a bank of about 25 degrees.
 TURNING_M_PER_S2 = 4.5
 #: Time between knots of such a path, s.
 KNOTS_S = 0.1
 #: Least interval of its control points, s.
 _BRISKEST_S = 0.5
-_AXES = ("x", "y", "z")
-INERTIAL_COLUMNS = (
-    "time_ns",
-    *(f"rate_{axis}_rad_per_s" for axis in _AXES),
-    *(f"force_{axis}_m_per_s2" for axis in _AXES),
-)
-TRAJECTORY_COLUMNS = (
-    "time_ns",
-    *("lat_deg", "lon_deg", "height_m", "east_m_per_s", "north_m_per_s", "up_m_per_s"),
-    *("q_w", "q_x", "q_y", "q_z"),
-    *(f"gyro_bias_{axis}_rad_per_s" for axis in _AXES),
-    *(f"accelerometer_bias_{axis}_m_per_s2" for axis in _AXES),
-)
-GNSS_COLUMNS = ("time_ns", "lat_deg", "lon_deg", "height_m")
-BAROMETER_COLUMNS = ("time_ns", "pressure_pa")
-MAGNETOMETER_COLUMNS = ("time_ns", *(f"field_{axis}_nt" for axis in _AXES))
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +83,12 @@ class Sequence:
         times: Numbers = np.minimum(spaced, np.floor(self.trajectory.duration_s * 1e6)).astype(np.int64)
         return times
 
+    def frame_times_us(self) -> Numbers:
+        """Times of the frames after the start (n,), on whole milliseconds of the day, as tables state them."""
+        times_us = self.times_us(self.settings.rate_hz) + self.trajectory.start_us
+        whole_us = -(-times_us // 1000) * 1000 - self.trajectory.start_us
+        return whole_us[whole_us <= self.trajectory.duration_s * 1e6]
+
     def motion(self, times_us: Numbers) -> Motion:
         """Motion of the inertial unit at times in microseconds after the start."""
         return self.trajectory.at(times_us * 1e-6)
@@ -116,7 +111,7 @@ class Sequence:
             Frames are faster than exposures, are map frames, vary in pose, or are not above the ground.
         """
         _check_frames(mission, self.settings)
-        times_us = self.times_us(self.settings.rate_hz)
+        times_us = self.frame_times_us()
         lat, lon, height, (yaw, tilt, roll) = self.rig.camera(self.motion(times_us))
         over_relief = bool(mission.terrain.elevation)
         above = np.round(height if over_relief else height - mission.flight.ground_height_m, ANGLE_DIGITS)
@@ -170,14 +165,14 @@ class Sequence:
             exact_inertial(motion), self.errors, settings.imu_rate_hz, settings.sensor_seed
         )
         stamps = self.stamps_ns(times_us)
-        write_table(root / INERTIAL_FILE, INERTIAL_COLUMNS, stamps, (*measured,), 12)
+        write_table(root, INERTIAL_FILE, stamps, (*measured,), 12)
         lat, lon, height = geodetic(motion.place_m)
         axes = enu_axes(lat, lon)
         speed = np.einsum("nij,nj->ni", axes, motion.velocity_m_per_s)
         turned = quaternions_from_matrices(axes @ motion.rotation)
         # 12 decimals of degrees are 0.1 µm.
         columns = (lat, lon, height, speed, turned, *biases)
-        write_table(root / TRAJECTORY_FILE, TRAJECTORY_COLUMNS, stamps, columns, 12)
+        write_table(root, TRAJECTORY_FILE, stamps, columns, 12)
         self._write_priors(root)
         write_whole(root / CAMERA_FILE, json_bytes(plan_contract(frames, 0).to_json()))
         write_whole(root / SEQUENCE_FILE, json_bytes(self.to_json(len(frames), flight)))
@@ -189,13 +184,13 @@ class Sequence:
         times_us = self.times_us(settings.gnss_rate_hz)
         places = gnss_places(self.motion(times_us), times_us * 1e-6, sensors, seeds[0])
         # Degrees are rounded to 0.1 mm.
-        write_table(root / GNSS_FILE, GNSS_COLUMNS, self.stamps_ns(times_us), places, PLACE_DIGITS)
+        write_table(root, GNSS_FILE, self.stamps_ns(times_us), places, PLACE_DIGITS)
         times_us = self.times_us(settings.air_rate_hz)
         motion, stamps = self.motion(times_us), self.stamps_ns(times_us)
         pressures = pressures_pa(motion, times_us * 1e-6, sensors, seeds[1])
-        write_table(root / BAROMETER_FILE, BAROMETER_COLUMNS, stamps, (pressures,), 3)
+        write_table(root, BAROMETER_FILE, stamps, (pressures,), 3)
         fields = magnetic_fields_nt(motion, times_us * 1e-6, self.trajectory.start_us, sensors, seeds[2])
-        write_table(root / MAGNETOMETER_FILE, MAGNETOMETER_COLUMNS, stamps, (fields,), 3)
+        write_table(root, MAGNETOMETER_FILE, stamps, (fields,), 3)
 
     def to_json(self, frames: int, flight: Mapping[str, Any]) -> dict[str, Any]:
         """JSON form of all but the trajectory."""
@@ -214,15 +209,6 @@ class Sequence:
             "camera_to_imu": body_camera.tolist(),
             "flight": dict(flight),
         }
-
-
-def write_table(
-    path: Path, names: tuple[str, ...], stamps_ns: Numbers, columns: tuple[Floats, ...], digits: int
-) -> None:
-    """Write a table of numbers, rounded to decimals, that begins with times; empty cells for NaN."""
-    values = np.round(np.concatenate([column.reshape(len(stamps_ns), -1) for column in columns], axis=1), digits)
-    cells = ([value if value == value else None for value in row] for row in (values + 0.0).tolist())
-    write_whole(path, csv_bytes([names, *([stamp, *row] for stamp, row in zip(stamps_ns.tolist(), cells))]))
 
 
 def _check_frames(mission: Mission, settings: SequenceSettings) -> None:

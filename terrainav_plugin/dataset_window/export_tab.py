@@ -17,7 +17,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ...core.errors import TerrAInavError
-from ...core.exports.kinds import BENCHMARKS, BESIDE_TABLES, DATASETS, KINDS, LABEL_SETS, VIEWS
+from ...core.exports.kinds import BENCHMARKS, BESIDE_TABLES, DATASETS, KINDS, LABEL_SETS, SEQUENCES, VIEWS
 from ...core.map_types import SATELLITE
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
@@ -123,7 +123,7 @@ class ExportTab(Tab):
     def _show(self, possible: ExportFormats) -> None:
         self._possible = possible
         self.hint.hide()
-        for kinds, note in zip((VIEWS, DATASETS, LABEL_SETS, BENCHMARKS), self.notes):
+        for kinds, note in zip((VIEWS, DATASETS, LABEL_SETS, SEQUENCES, BENCHMARKS), self.notes):
             reasons = [possible.reasons[kind] for kind in kinds]
             for kind, reason in zip(kinds, reasons):
                 self.kinds[kind].setToolTip("" if reason is None else shown_plain(translate(reason)))
@@ -132,6 +132,8 @@ class ExportTab(Tab):
                 note.setText("")
             elif kinds is LABEL_SETS:
                 note.setText(tr("This folder has no labels of pixels."))
+            elif kinds is SEQUENCES:
+                note.setText(tr("This folder is not a sequence."))
             elif kinds is BENCHMARKS:
                 note.setText(tr("This folder is not a benchmark."))
             else:
@@ -186,7 +188,7 @@ class ExportTab(Tab):
         count, where = number_text(task.done.written), task.target or task.folder
         if task.kind in VIEWS:
             text = tr("{count} images as {format} in {folder}; the image files stay where they are.")
-        elif task.kind in LABEL_SETS:
+        elif task.kind in LABEL_SETS or task.kind in SEQUENCES:
             text = tr("{count} images as {format} in {folder}.")
         elif task.kind in BENCHMARKS:
             text = tr("{count} queries as {format} in {folder}.")
@@ -210,6 +212,7 @@ class ExportTab(Tab):
             (tr("Camera frames"), VIEWS),
             (tr("Any dataset"), DATASETS),
             (tr("Labels of pixels"), LABEL_SETS),
+            (tr("Sequences"), SEQUENCES),
             (tr("Benchmarks"), BENCHMARKS),
         ):
             box = QGroupBox(title)

@@ -20,7 +20,7 @@ from qgis.core import (
 
 from ...core.dataset.folder import AUTO, DEFAULT_ENTROPY, PARTS, SEED, SHARES
 from ...core.errors import InvalidInput
-from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, LABEL_SETS, VIEWS, export_as
+from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, LABEL_SETS, SEQUENCES, VIEWS, export_as
 from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, helps, outcome, split_methods, titles, undone_text
 from ..i18n import number_text, tr
 from .algorithm import Algorithm, AlgorithmRun, AlgorithmTexts, WorkFeedback, off_main_thread
@@ -325,7 +325,7 @@ class Export(Algorithm):
             ChoiceParameter("FORMAT", tr("Format"), KINDS, next(iter(KINDS))),
             tr(
                 "Of camera frames: {views}. Of any dataset: {datasets}. Of labels of pixels: {labels}. "
-                "Of a benchmark: {benchmarks}."
+                "Of a sequence: {sequences}. Of a benchmark: {benchmarks}."
             ).format(
                 **{
                     name: ", ".join(kinds)
@@ -333,6 +333,7 @@ class Export(Algorithm):
                         ("views", VIEWS),
                         ("datasets", DATASETS),
                         ("labels", LABEL_SETS),
+                        ("sequences", SEQUENCES),
                         ("benchmarks", BENCHMARKS),
                     )
                 }

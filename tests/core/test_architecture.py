@@ -96,7 +96,7 @@ ARROWS = {
     "mosaic": {*FLOOR, "geodesy", "mission", "dataset", "picture", "capture"},
     "pairs": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
     "benchmark": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "faces", "picture", "capture", "poses"},
-    "exports": {*FLOOR, "geodesy", "mission", "dataset", "picture", "benchmark"},
+    "exports": {*FLOOR, "geodesy", "mission", "dataset", "picture", "benchmark", "sequences"},
     "poses": {*FLOOR, "geodesy", "mission", "imagery", "dataset"},
     "sequences": {*FLOOR, "geodesy", "mission", "imagery", "dataset", "picture", "capture", "poses"},
     "cli": {"core", *ROOMS},

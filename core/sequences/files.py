@@ -1,0 +1,130 @@
+"""Files of a sequence beside those of its dataset, and their tables."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Floats, Numbers
+from ..errors import InvalidInput
+from ..limits import MAX_SETTINGS_BYTES, MAX_TABLE_BYTES
+from ..storage.files import csv_bytes, read_limited, write_whole
+from ..text.safe_json import decoded, parse_json
+
+SEQUENCE_FILE, CAMERA_FILE = "sequence.json", "camera.json"
+#: Version of the sequence's file.
+SCHEMA = 1
+_AXES = ("x", "y", "z")
+#: Columns of each table after the first, ``time_ns``.
+TABLES: Mapping[str, tuple[str, ...]] = {
+    "imu.csv": (*(f"rate_{axis}_rad_per_s" for axis in _AXES), *(f"force_{axis}_m_per_s2" for axis in _AXES)),
+    "trajectory.csv": (
+        *("lat_deg", "lon_deg", "height_m", "east_m_per_s", "north_m_per_s", "up_m_per_s"),
+        *("q_w", "q_x", "q_y", "q_z"),
+        *(f"gyro_bias_{axis}_rad_per_s" for axis in _AXES),
+        *(f"accelerometer_bias_{axis}_m_per_s2" for axis in _AXES),
+    ),
+    "gnss.csv": ("lat_deg", "lon_deg", "height_m"),
+    "barometer.csv": ("pressure_pa",),
+    "magnetometer.csv": tuple(f"field_{axis}_nt" for axis in _AXES),
+}
+INERTIAL_FILE, TRAJECTORY_FILE, GNSS_FILE, BAROMETER_FILE, MAGNETOMETER_FILE = TABLES
+
+
+def write_table(folder: Path, name: str, stamps_ns: Numbers, columns: tuple[Floats, ...], digits: int) -> None:
+    """Write one of `TABLES`: times (n,), and columns (n,) or (n, k) rounded to decimals; empty cells for NaN."""
+    values = np.round(np.concatenate([column.reshape(len(stamps_ns), -1) for column in columns], axis=1), digits)
+    cells = ([value if value == value else None for value in row] for row in (values + 0.0).tolist())
+    rows = ([stamp, *row] for stamp, row in zip(stamps_ns.tolist(), cells))
+    write_whole(folder / name, csv_bytes([("time_ns", *TABLES[name]), *rows]))
+
+
+def read_table(folder: Path, name: str) -> tuple[Numbers, Floats]:
+    """Times (n,) in nanoseconds and values (n, k) of one of `TABLES`; NaN for empty cells.
+
+    Raises
+    ------
+    InvalidInput
+        The file cannot be read, or holds something else.
+    """
+    path = folder / name
+    try:
+        head, *lines = decoded(read_limited(path, MAX_TABLE_BYTES)).splitlines()
+        if head.split(",") != ["time_ns", *TABLES[name]]:
+            raise InvalidInput("has other columns")
+        cells = [line.split(",") for line in lines]
+        stamps = np.array([int(row[0]) for row in cells], np.int64)
+        values = np.array([[float(cell or "nan") for cell in row[1:]] for row in cells], np.float64)
+        values = values.reshape(len(stamps), len(TABLES[name]))
+    except (OSError, ValueError, OverflowError) as wrong:
+        raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
+    return stamps, values
+
+
+@dataclass(frozen=True, eq=False)
+class SequenceRecord:
+    """A sequence as its folder states it.
+
+    Parameters
+    ----------
+    folder : Path
+    rate_hz, imu_rate_hz : float
+    camera_to_imu : array (4, 4)
+        From the camera's axes (right, down, view) to those of the inertial unit, in metres.
+    imu_errors : mapping
+        Figures of the errors of the inertial unit.
+    gnss_m : float
+        Standard deviation of the receiver's places along each axis.
+    """
+
+    folder: Path
+    rate_hz: float
+    imu_rate_hz: float
+    camera_to_imu: Floats
+    imu_errors: Mapping[str, float]
+    gnss_m: float
+
+    @classmethod
+    def read(cls, folder: str | os.PathLike[str]) -> SequenceRecord:
+        """Read the sequence of a dataset; of several imageries, that of one, whose sequence is in the folder above.
+
+        Raises
+        ------
+        InvalidInput
+            The folder holds no sequence, or a damaged one.
+        """
+        path = next(
+            (one / SEQUENCE_FILE for one in (Path(folder), Path(folder).parent) if (one / SEQUENCE_FILE).is_file()),
+            None,
+        )
+        if path is None:
+            raise InvalidInput(
+                "folder {0}: is not a sequence, as it has no {1}", folder, SEQUENCE_FILE, remedy="fly one"
+            )
+        try:
+            data = parse_json(read_limited(path, MAX_SETTINGS_BYTES))
+            if data["schema"] != SCHEMA:
+                raise InvalidInput("version {0}: must be {1}", data["schema"], SCHEMA)
+            rates = float(data["rate_hz"]), float(data["imu_rate_hz"])
+            turn = np.array(data["camera_to_imu"], np.float64).reshape(4, 4)
+            gnss_m = float(data["prior_errors"]["gnss_m"])
+            errors = {str(name): float(value) for name, value in data["imu_errors"].items()}
+        except (OSError, KeyError, TypeError, ValueError, AttributeError) as wrong:
+            raise InvalidInput("sequence {0}: cannot be read ({1})", path, wrong) from wrong
+        return cls(path.parent, *rates, turn, errors, gnss_m)
+
+    def table(self, name: str) -> tuple[Numbers, Floats]:
+        """Read one of `TABLES`; see `read_table`."""
+        return read_table(self.folder, name)
+
+    def camera(self) -> Any:
+        """Camera contract in JSON form, as in `CAMERA_FILE`; raises InvalidInput."""
+        try:
+            return parse_json(read_limited(self.folder / CAMERA_FILE, MAX_SETTINGS_BYTES))
+        except OSError as wrong:
+            raise InvalidInput("camera {0}: cannot be read ({1})", self.folder / CAMERA_FILE, wrong) from wrong
