@@ -51,9 +51,7 @@ class FrameQuery:
             if name not in values:
                 raise InvalidInput("parameter {0}: is missing", name)
         if ("agl" in values) == ("height" in values):
-            raise InvalidInput(
-                "parameters agl and height: must be one of the two, metres above ground or the ellipsoid"
-            )
+            raise InvalidInput("parameters agl and height: must be one of the two, above ground or the ellipsoid")
         numbers = {field: _number(name, values[name]) for name, field in _FIELDS.items() if name in values}
         self.image, self.format = str(values.get("image", PICTURE)), str(values.get("format", "jpg"))
         products = () if self.image == PICTURE else (self.image,)
