@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -118,9 +118,17 @@ def _draw(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, PixelV
     return draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands, sharp=job.is_clean)
 
 
-def _make(job: PictureJob, drawn: Picture) -> Outcome:
-    """Develop a drawn picture, and write it and its products."""
-    picture, sky, unmapped, facades = drawn
+class DevelopedPicture(NamedTuple):
+    """A picture that a camera has made, its raw values, what is stated of it, and its description."""
+
+    pixels: PixelValues
+    raw: RawValues | None
+    facts: Facts
+    description: Description
+
+
+def develop_picture(job: PictureJob, picture: PixelValues) -> DevelopedPicture:
+    """Develop a drawn picture."""
     description = job.description
     facts: Facts = ()
     raw: RawValues | None = None
@@ -136,6 +144,12 @@ def _make(job: PictureJob, drawn: Picture) -> Outcome:
         if description.exposure is not None:
             exposure = replace(description.exposure, settings=CameraSettings.of_facts(dict(facts)))
             description = replace(description, exposure=exposure)
+    return DevelopedPicture(picture, raw, facts, description)
+
+
+def _make(job: PictureJob, drawn: Picture) -> Outcome:
+    """Develop a drawn picture, and write it and its products."""
+    picture, raw, facts, description = develop_picture(job, drawn.pixels)
     if job.products is not None:
         from ..picture.products import BANDS, products
 
@@ -147,7 +161,7 @@ def _make(job: PictureJob, drawn: Picture) -> Outcome:
                 ending = label_format(job.image_format, values.dtype)
                 write_labels(folder / name, ending, values, job.place, description, colours, job.write)
                 continue
-            limits = [_value_range(values[..., band]) for band in range(len(BANDS[name]))]
+            limits = value_ranges(values, BANDS[name])
             write_picture(folder / name, "tif", values, job.place, description, BANDS[name], limits, job.write)
         if raw is not None and RAW in plan.mission.products:
             limits = [(0.0, float(raw.most_dn))] * len(raw.bands)
@@ -157,9 +171,9 @@ def _make(job: PictureJob, drawn: Picture) -> Outcome:
         description.map_type,
         description.name,
         bits,
-        sky_share=sky,
-        unmapped_share=unmapped,
-        facade_share=facades,
+        sky_share=drawn.sky_share,
+        unmapped_share=drawn.unmapped_share,
+        facade_share=drawn.facade_share,
         size_bytes=size_bytes,
         facts=facts,
     )
@@ -181,7 +195,7 @@ def _write_image(job: PictureJob, picture: PixelValues) -> tuple[float, int]:
     if job.bands == RGB:
         size_bytes = write_picture(job.folder, job.image_format, picture, job.place, job.description, write=job.write)
         return entropy(picture[..., :3] if picture.ndim > 2 else picture), size_bytes
-    bands, ranges = _bands_as_written(job)
+    bands, ranges = bands_as_written(job)
     picture = picture.reshape(*picture.shape[:2], -1)
     size_bytes = write_picture(
         job.folder, job.image_format, picture, job.place, job.description, bands, ranges, job.write
@@ -194,13 +208,13 @@ def stated_fact(value: float | str) -> str:
     return value if isinstance(value, str) else repr(figure(value))
 
 
-def _value_range(values: NDArray[Any]) -> Range:
-    """Minimum and maximum of the finite values; 0 and 1 if there are none."""
-    known = values[np.isfinite(values)]
-    return (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+def value_ranges(values: NDArray[Any], bands: Bands) -> list[Range]:
+    """Minimum and maximum of the finite values of each band; 0 and 1 where there are none."""
+    known = [values[..., band][np.isfinite(values[..., band])] for band in range(len(bands))]
+    return [(float(one.min()), float(one.max())) if one.size else (0.0, 1.0) for one in known]
 
 
-def _bands_as_written(job: PictureJob) -> tuple[Bands, tuple[Range, ...]]:
+def bands_as_written(job: PictureJob) -> tuple[Bands, tuple[Range, ...]]:
     """Bands of an image file, and their displayed ranges."""
     if job.img_size is None:
         return job.bands, job.ranges

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from ..arrays import Floats, NDArray, PixelValues
-from ..bands import Bands, source_bands
+from ..bands import Bands
 from ..capture.making import check_source
+from ..capture.records import PictureJob, develop_picture, image_job
 from ..errors import InvalidInput
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.contract import CameraContract
@@ -23,11 +25,12 @@ from ..mission.mission import Mission
 from ..mission.parts import ELLIPSOID, LABELLED
 from ..mission.plan import Plan, plan
 from ..mission.relief.ground import Heights
-from ..picture.effects import Development, Facts
+from ..picture.camera_frame import parts_of_tiles
+from ..picture.effects import Facts
 from ..picture.map_frame import resized
 from ..picture.optics import plan_contract
 from ..picture.products import BANDS, products
-from ..picture.shot import MapShot, Shot, draw, make_shot, shot_parts
+from ..picture.shot import Shot, draw
 from .tiles import ReadyTiles, TileMemory
 
 #: A band that tells stand-ins from other tiles.
@@ -78,6 +81,8 @@ class LiveFrame:
     products : mapping of str to array
         As `picture.products.products` gives them.
     contract : CameraContract
+    job : PictureJob
+        The image that a capture would write.
     facts : tuple
         What is stated of the effects of a real camera.
     coarse_share : float
@@ -92,6 +97,7 @@ class LiveFrame:
     picture: PixelValues
     products: Mapping[str, NDArray[Any]]
     contract: CameraContract
+    job: PictureJob
     facts: Facts = ()
     coarse_share: float = 0.0
     sky_share: float = 0.0
@@ -105,7 +111,7 @@ class LiveFrame:
     @property
     def per_depth(self) -> Floats:
         """Length of each pixel's ray for each metre of depth along the view, (h, w)."""
-        camera, size = self.plan.mission.camera, (self.contract.width_px, self.contract.height_px)
+        camera, size = self.plan.camera(0), (self.contract.width_px, self.contract.height_px)
         rays = ImageRays.from_scene(ImageGeometry(camera, *size, self.plan.poses, self.plan.ground))
         x_px, y_px = rays.ideal_centres(0, size[1])
         right, down = ((2.0 * at / side - 1.0) * tan for at, side, tan in zip((x_px, y_px), size, camera.half_tangents))
@@ -179,10 +185,9 @@ class LiveCamera:
                 field="frame",
                 remedy="choose camera",
             )
-        self.mission = mission.replace(frame="camera")
+        self.mission = mission.replace(frame="camera", keep_clean=False, keep_undistorted=False)
         self.source, self.heights, self.labels = source, heights, labels
         self.tiles = TileMemory(source, mission.imagery.map_types[0], connections)
-        self._bands = source_bands(source)
         west, south, east, north = mission.area.bounds.edges_deg
         #: Where a client may begin: in the middle of the mission's area, as its flight and attitude say.
         attitude = mission.attitude
@@ -246,34 +251,29 @@ class LiveCamera:
         """
         begun_s = time.perf_counter()
         planned = self.plan(request)
-        shot = make_shot(planned, 0)
-        development = Development.of(planned, 0, self.tiles.map_type)
-        if isinstance(shot, Shot):
-            needs_range = development is not None and development.needs_range
-            shot.trace(with_sighting=bool(request.products) or needs_range)
-        parts = shot_parts(shot, self.source)
+        job = image_job(planned, 0, self.source, self.tiles.map_type, Path(), labels=self.labels)
+        shot = cast(Shot, job.shot)
+        needs_range = job.development is not None and job.development.needs_range
+        parts = parts_of_tiles(planned.grid, shot.trace(with_sighting=bool(request.products) or needs_range))
         ready = self.tiles.whole(parts) if wait_s is None else self.tiles.until(parts, wait_s)
-        made = draw(shot, parts, ready.pixels, bands=self._bands)
-        picture = made.pixels
-        facts: Facts = ()
-        if development is not None:
-            picture, facts, _ = development.develop(picture, shot, len(self._bands))
-        picture = resized(picture, planned.mission.output.img_size, self._bands)
+        drawn = draw(shot, parts, ready.pixels, masked=job.masked, bands=job.bands)
+        picture, _, facts, description = develop_picture(job, drawn.pixels)
+        picture = resized(picture, job.img_size, job.bands)
         size = picture.shape[1], picture.shape[0]
-        found = dict(products(planned, 0, size, shot, self.labels)) if request.products else {}
         return LiveFrame(
             request,
             planned,
             picture,
-            found,
+            dict(products(planned, 0, size, shot, self.labels)) if request.products else {},
             plan_contract(planned, 0),
+            replace(job, description=description),
             facts,
             self._coarse_share(shot, parts, ready),
-            made.sky_share,
+            drawn.sky_share,
             time.perf_counter() - begun_s,
         )
 
-    def _coarse_share(self, shot: MapShot | Shot, parts: Sequence[Part], ready: ReadyTiles) -> float:
+    def _coarse_share(self, shot: Shot, parts: Sequence[Part], ready: ReadyTiles) -> float:
         """Share of a picture's pixels that stand-ins show, whole or in part."""
         if not ready.stand_ins:
             return 0.0

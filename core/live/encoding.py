@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from ..arrays import PixelValues
-from ..bands import Bands
-from ..capture.records import image_job
-from ..capture.writers import encoded, label_format
+from ..bands import RGB, Bands
+from ..capture.records import bands_as_written, value_ranges
+from ..capture.writers import encoded, label_format, write_labels
 from ..errors import InvalidInput
-from ..imagery.source import Source
-from ..mission.parts import LABELLED
+from ..mission.parts import CLASSES, LABELLED
 from ..picture.products import BANDS
 from .camera import LiveFrame
 
@@ -22,7 +19,7 @@ MEDIA_TYPES = {"jpg": "image/jpeg", "png": "image/png", "tif": "image/tiff"}
 PICTURE = "picture"
 
 
-def encode(frame: LiveFrame, source: Source, image: str = PICTURE, image_format: str = "jpg") -> bytes:
+def encode(frame: LiveFrame, image: str = PICTURE, image_format: str = "jpg") -> bytes:
     """Return the picture, or one product, of a frame as an image file.
 
     Parameters
@@ -41,16 +38,23 @@ def encode(frame: LiveFrame, source: Source, image: str = PICTURE, image_format:
         raise InvalidInput("format {0!r}: must be one of {1}", image_format, ", ".join(MEDIA_TYPES))
     if image != PICTURE and image not in frame.products:
         raise InvalidInput("image {0!r}: this frame has {1}", image, ", ".join((PICTURE, *frame.products)))
-    job = image_job(frame.plan, 0, source, frame.plan.mission.imagery.map_types[0], Path())
+    job = frame.job
     values = frame.picture if image == PICTURE else frame.products[image]
     if image_format not in _formats(image, values, job.bands):
         raise InvalidInput("format {0}: cannot hold {1}", image_format, image, field="format", remedy="choose tif")
     if image in LABELLED:
-        return encoded(image_format, values, job.place, job.description)
+        files: dict[str, bytes] = {}
+        colours = job.labels.classes.colours if image == CLASSES and job.labels is not None else None
+
+        def keep(path: Path, data: bytes) -> None:
+            files[path.suffix] = data
+
+        write_labels(Path(), image_format, values, job.place, job.description, colours, keep)
+        return files[f".{image_format}"]
     if image == PICTURE:
-        bands = None if job.bands.are_colours and len(job.bands) == 3 else job.bands
-        return encoded(image_format, values, job.place, job.description, bands, job.ranges)
-    limits = [(float(np.nanmin(values)), float(np.nanmax(values)))] * len(BANDS[image])
+        bands, ranges = (None, ()) if job.bands == RGB else bands_as_written(job)
+        return encoded(image_format, values, job.place, job.description, bands, ranges)
+    limits = value_ranges(values, BANDS[image])
     return encoded(image_format, values, job.place, job.description, BANDS[image], limits)
 
 

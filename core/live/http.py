@@ -164,7 +164,7 @@ def _made(server: FrameServer, asked: FrameQuery) -> tuple[LiveFrame, bytes]:
     frame = server.camera.take(asked.request, asked.wait_s)
     if asked.format == "json":
         return frame, b""
-    return frame, encode(frame, server.camera.source, asked.image, asked.format)
+    return frame, encode(frame, asked.image, asked.format)
 
 
 def _about(server: FrameServer) -> dict[str, Any]:

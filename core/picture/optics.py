@@ -109,7 +109,7 @@ def plan_contract(plan: Plan, index: int) -> CameraContract:
     width, height, *lengths = (float(values[0]) for values in plan_optics(plan, np.array([index])))
     # Decimals on which all processors agree.
     fx, fy, cx, cy = (round(length, 6) for length in lengths)
-    return CameraContract.of_lens(plan.mission.camera, (int(width), int(height)), (fx, fy), (cx, cy))
+    return CameraContract.of_lens(plan.camera(index), (int(width), int(height)), (fx, fy), (cx, cy))
 
 
 def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput, PartError
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.local import LocalFrame, geocentric
 from terrainav.core.live.camera import FrameRequest
 from terrainav.core.live.encoding import encode
@@ -19,7 +20,7 @@ from tests.core.live.scenes import HERE, live_camera, mission, random_requests
 from tests.support.sources import FailingSource, PatternSource
 
 GROUNDS = {"level": {}, "relief": {"elevation": ("world",)}}
-EFFECTS = {"k1": -0.2, "exposure": "time", "exposure_ms": 4.0, "vignetting": "cos4", "seed": 7}
+EFFECTS = {"camera": Camera(70.0, 4 / 3, k1=-0.2), "exposure": "time", "exposure_ms": 4.0, "vignetting": "cos4", "seed": 7}
 
 
 @pytest.mark.parametrize("more", [*GROUNDS.values(), EFFECTS], ids=[*GROUNDS, "effects"])
@@ -35,7 +36,7 @@ def test_a_frame_has_the_bytes_that_a_capture_of_its_pose_writes(tmp_path, more)
         capture(plan(single, camera.source.grid, mission_heights(single)), camera.source, folder)
         for image, name in (("picture", "satellite"), ("depth", "depth")):
             (written,) = (folder / name).glob("*.tif")
-            assert encode(frame, camera.source, image, "tif") == written.read_bytes()
+            assert encode(frame, image, "tif") == written.read_bytes()
         assert frame.request is request
         assert frame.coarse_share == 0.0
 

@@ -54,8 +54,8 @@ def _map_frame(case: Case) -> None:
 def _format_for_measures(case: Case) -> None:
     camera = live_camera()
     frame = camera.take(random_requests(1, 1, products=("depth",))[0])
-    case.refused(lambda: encode(frame, camera.source, "depth", "jpg"))
-    case.follow("choose tif", lambda: encode(frame, camera.source, "depth", "tif"))
+    case.refused(lambda: encode(frame, "depth", "jpg"))
+    case.follow("choose tif", lambda: encode(frame, "depth", "tif"))
 
 
 @remedy("live/serving.py", "busy: {} requests wait; ask again later")
