@@ -20,7 +20,7 @@ from tests.core.live.scenes import HERE, live_camera, mission, random_requests
 from tests.support.sources import FailingSource, PatternSource
 
 GROUNDS = {"level": {}, "relief": {"elevation": ("world",)}}
-EFFECTS = {"camera": Camera(70.0, 4 / 3, k1=-0.2), "exposure": "time", "exposure_ms": 4.0, "vignetting": "cos4", "seed": 7}
+EFFECTS = {"camera": Camera(70.0, 4 / 3, k1=-0.2), "exposure": "time", "exposure_ms": 4.0, "vignetting": "cos4"}
 
 
 @pytest.mark.parametrize("more", [*GROUNDS.values(), EFFECTS], ids=[*GROUNDS, "effects"])
