@@ -107,14 +107,23 @@ def read_poses_file(
     Cancelled
         ``progress`` returned False.
     """
-    track = _track(Path(path), how, read_xml, progress)
-    if how.start_s is not None:
-        track = track.starting(how.start_s)
-    if how.nadir:
-        track = track.nadir()
+    track = read_track(path, how, read_xml, progress)
     points, left_out = track.points(how.ground_height_m, how.agl_m, every_s=how.every_s, every_m=how.every_m)
     positions = len(track) + track.without_place + track.without_time
     return ReadPoses(points, positions, left_out, track.without_place, track.without_time)
+
+
+def read_track(
+    path: str | os.PathLike[str],
+    how: PoseFile,
+    read_xml: XMLReader = iterate_elements,
+    progress: Progress = unwatched,
+) -> Track:
+    """Read the positions of a trajectory or flight log; arguments and exceptions are those of `read_poses_file`."""
+    track = _track(Path(path), how, read_xml, progress)
+    if how.start_s is not None:
+        track = track.starting(how.start_s)
+    return track.nadir() if how.nadir else track
 
 
 def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -> Track:

@@ -149,12 +149,12 @@ class Track:
             A missing or invalid height of the ground or of a position; no position above the ground; numbers that
             overflow when rounded; as for `thinned`.
         """
-        agl = np.round(self._agl_m(ground_m, agl_m), ANGLE_DIGITS)
+        agl = np.round(self.above_ground_m(ground_m, agl_m), ANGLE_DIGITS)
         flown = np.flatnonzero(agl > 0.0)
         if not len(flown):
             raise InvalidInput("trajectory: none of its {0:,} positions is above the ground", len(self))
         track = replace(self, height_m=agl).take(flown).thinned(every_s, every_m)
-        yaw, tilt, roll = track.attitude_deg or (_headings_deg(track.lat_deg, track.lon_deg), None, None)
+        yaw, tilt, roll = track.attitude_deg or (track.headings_deg(), None, None)
         poses = zip(
             np.round(track.lat_deg, PLACE_DIGITS).tolist(),
             np.round(track.lon_deg, PLACE_DIGITS).tolist(),
@@ -169,7 +169,8 @@ class Track:
         )
         return points, len(self) - len(flown)
 
-    def _agl_m(self, ground_m: float | None, agl_m: float | None) -> Floats:
+    def above_ground_m(self, ground_m: float | None = None, agl_m: float | None = None) -> Floats:
+        """Heights above the ground (n,); arguments and exceptions are those of `points`."""
         if agl_m is not None:
             check_agl(agl_m)
             return np.full(len(self), agl_m)
@@ -194,17 +195,16 @@ class Track:
             )
         return self.height_m - ground_m
 
-
-def _headings_deg(lat_deg: Floats, lon_deg: Floats) -> Floats:
-    """Headings (n,) along positions; where these stand still, the previous heading or, at the start, the first."""
-    route = legs(lat_deg, lon_deg)
-    # A step below 1 cm has no heading: the vehicle stands still, or a position is logged twice.
-    moving = np.append(route.distance_m >= 0.01, False)
-    if not moving.any():
-        return np.zeros(len(lat_deg))
-    last = np.maximum.accumulate(np.where(moving, np.arange(len(moving)), np.argmax(moving)))
-    headings: Floats = route.headings_deg()[last]
-    return headings
+    def headings_deg(self) -> Floats:
+        """Headings (n,) along positions; where these stand still, the previous heading or, at the start, the first."""
+        route = legs(self.lat_deg, self.lon_deg)
+        # A step below 1 cm has no heading: the vehicle stands still, or a position is logged twice.
+        moving = np.append(route.distance_m >= 0.01, False)
+        if not moving.any():
+            return np.zeros(len(self))
+        last = np.maximum.accumulate(np.where(moving, np.arange(len(moving)), np.argmax(moving)))
+        headings: Floats = route.headings_deg()[last]
+        return headings
 
 
 def _listed(values: Floats | None, digits: int) -> tuple[float, ...]:

@@ -17,6 +17,7 @@ from ..geodesy.ellipsoid import WGS84, arctan2
 from ..geodesy.local import enu_axes, geocentric, geodetic
 from ..geodesy.quaternions import quaternions_from_matrices
 from ..mission.areas.area import Points
+from ..mission.clock import is_dated
 from ..mission.flight.legs import legs
 from ..mission.flight.motion import Disturbance, fly
 from ..mission.flight.path import CAPTURE, FlightPath
@@ -25,7 +26,7 @@ from ..mission.parts import BY_TIME, ELLIPSOID, IDEAL, Attitude, Flight, Route, 
 from ..mission.plan import Plan
 from ..picture.optics import plan_contract
 from ..poses.settings import Sensors
-from ..poses.track import ANGLE_DIGITS, PLACE_DIGITS
+from ..poses.track import ANGLE_DIGITS, PLACE_DIGITS, Track
 from ..storage.files import json_bytes, write_whole
 from .files import (
     BAROMETER_FILE,
@@ -192,6 +193,14 @@ class Sequence:
         fields = magnetic_fields_nt(motion, times_us * 1e-6, self.trajectory.start_us, sensors, seeds[2])
         write_table(root, MAGNETOMETER_FILE, stamps, (fields,), 3)
 
+    def text(self, frames: int) -> str:
+        """Figures in one line."""
+        settings = self.settings
+        return (
+            f"{frames:,} frames at {settings.rate_hz:g} Hz in {self.trajectory.duration_s:.1f} s, inertial unit "
+            f"{settings.imu} at {settings.imu_rate_hz:g} Hz"
+        )
+
     def to_json(self, frames: int, flight: Mapping[str, Any]) -> dict[str, Any]:
         """JSON form of all but the trajectory."""
         start_us = np.datetime64(self.trajectory.start_us, "us")
@@ -258,15 +267,39 @@ def plan_trajectory(flown: Plan, settings: SequenceSettings, rig: Rig) -> Trajec
         if settings.sortie > 1:
             raise InvalidInput("sortie {0}: the flight has one", settings.sortie, field="sortie")
         meant, height = flown.meant, np.asarray(flown.ground_m) + flown.meant.agl_m
-        # Times of tables are whole microseconds, which float64 seconds after 1970 keep to a quarter.
-        time_s = np.round(flown.direct.exposures_s, 6)
-        attitude = (meant.yaw_deg, meant.tilt_deg, meant.roll_deg)
-        found = Trajectory.through_cameras(time_s, meant.lat_deg, meant.lon_deg, height, attitude, rig, start_us)
-        return found.smoothed(settings.smooth_s) if settings.smooth_s else found
+        track = Track(meant.lat_deg, meant.lon_deg, height, None, flown.direct.exposures_s, meant.attitude)
+        return track_trajectory(track, height, settings, rig, start_us)
     path = flown.path
     if settings.sortie > path.sorties:
         raise InvalidInput("sortie {0}: the flight has {1}", settings.sortie, path.sorties, field="sortie")
     return _rounded_path(flown, path.sortie_path(settings.sortie - 1), settings, rig, start_us)
+
+
+def track_trajectory(track: Track, height_m: Floats, settings: SequenceSettings, rig: Rig, start_us: int) -> Trajectory:
+    """Trajectory through the positions of a track.
+
+    Parameters
+    ----------
+    height_m : array (n,)
+        Heights above the ellipsoid.
+    start_us : int
+        Time of the first position, microseconds after 1970, where the track's times are not dates.
+
+    Raises
+    ------
+    InvalidInput
+        The track has no times, or jumps.
+    """
+    if track.time_s is None:
+        raise InvalidInput("trajectory: has no times, which a sequence needs")
+    if is_dated(track.time_s).all():
+        start_us = round(float(track.time_s[0]) * 1e6)
+    level = np.zeros(len(track))
+    attitude = track.attitude_deg or (track.headings_deg(), level, level)
+    # Files state at most microseconds, which float64 seconds after 1970 keep to a quarter.
+    time_s = np.round(track.time_s - track.time_s[0], 6)
+    found = Trajectory.through_cameras(time_s, track.lat_deg, track.lon_deg, height_m, attitude, rig, start_us)
+    return found.smoothed(settings.smooth_s) if settings.smooth_s else found
 
 
 def _rounded_path(flown: Plan, path: FlightPath, settings: SequenceSettings, rig: Rig, start_us: int) -> Trajectory:
@@ -338,12 +371,12 @@ def _gusts(flown: Plan, lat: Floats, lon: Floats, time_s: Floats, agl_m: Floats,
     return fly(wind, airspeed, interval_s, legs(lat, lon).headings_deg(), agl_m, yaw_deg)
 
 
-def passed_m(flown: Plan, sequence: Sequence) -> float:
+def passed_m(flown: Plan, trajectory: Trajectory, rig: Rig) -> float:
     """Greatest distance from a planned capture to where the camera is at its time."""
     path = flown.path
-    after_s = path.time_s - (sequence.trajectory.start_us - round(utc_time(flown.direct.start).timestamp() * 1e6)) / 1e6
-    taken = (path.kind == CAPTURE) & (after_s >= 0.0) & (after_s <= sequence.trajectory.duration_s)
-    motion = sequence.trajectory.at(after_s[taken])
-    camera = motion.place_m + motion.rotation @ np.array(sequence.rig.lever_m)
+    after_s = path.time_s - (trajectory.start_us - round(utc_time(flown.direct.start).timestamp() * 1e6)) / 1e6
+    taken = (path.kind == CAPTURE) & (after_s >= 0.0) & (after_s <= trajectory.duration_s)
+    motion = trajectory.at(after_s[taken])
+    camera = motion.place_m + motion.rotation @ np.array(rig.lever_m)
     meant = geocentric(path.lat_deg[taken], path.lon_deg[taken], path.height_m[taken])
     return float(np.linalg.norm(camera - meant, axis=1).max(initial=0.0))

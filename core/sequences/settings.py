@@ -111,7 +111,7 @@ class SequenceSettings(CheckedFields):
         least=10.0,
         most=4000.0,
     )
-    body: str = declared(
+    imu_axes: str = declared(
         "frd",
         title="axes of the inertial unit",
         help="axes of the inertial unit, which the camera is fixed to",

@@ -39,7 +39,7 @@ def flown(tmp_path_factory):
     (folder / "poses.csv").write_text("lat,lon,agl,yaw,tilt,roll,time\n" + "\n".join(rows))
     asked = ("--coords", str(folder / "poses.csv"), "--ground-height", f"{GROUND_M:g}", "--rate", "4", "--fov", "60")
     small = ("--img-size", "64", "48", "3", "--format", "png", "--products", "depth", "--quiet")
-    body = ("--body", "flu", "--lever-arm", "0.2", "-0.1", "0.3", "--outages", "0.4", "1")
+    body = ("--imu-axes", "flu", "--lever-arm", "0.2", "-0.1", "0.3", "--outages", "0.4", "1")
     assert main(("fly", *asked, *small, *body, "--data-dir", str(folder / "out"))) == 0
     return folder / "out"
 
