@@ -14,5 +14,6 @@ In reading order:
 - `correlation`, `features`, `fitting`: baselines without weights
 - `metrics`: metrics of rankings and positions, as the literature defines them
 - `scoring`: answers compared with the truth
+- `sequences`: predictions for the frames of a sequence compared with its poses
 - `page`: scores, errors and diagrams, written with a page
 """

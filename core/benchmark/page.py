@@ -91,10 +91,15 @@ def scores_document(scores: Scores, title: str) -> dict[str, Any]:
         "method": title,
         "part": scores.part or ALL,
         "tiles": scores.tiles,
-        "groups": {
-            name: [{**one._asdict(), "value": one.value if math.isfinite(one.value) else None} for one in figures]
-            for name, figures in scores.groups.items()
-        },
+        "groups": figures_document(scores.groups),
+    }
+
+
+def figures_document(groups: Mapping[str, Sequence[Figure]]) -> dict[str, Any]:
+    """Figures of groups as JSON-ready values; NaN becomes null."""
+    return {
+        name: [{**one._asdict(), "value": one.value if math.isfinite(one.value) else None} for one in figures]
+        for name, figures in groups.items()
     }
 
 
@@ -102,7 +107,7 @@ def value_text(one: Figure) -> str:
     """Value of a figure as text: shares in per cent, numbers with units to three digits."""
     if not math.isfinite(one.value):
         return "–"
-    if one.name == "queries":
+    if one.name in ("queries", "frames"):
         return f"{one.value:,.0f}"
     if one.unit:
         return f"{one.value:.3g} {one.unit}" if one.value < 1000.0 else f"{one.value:,.0f} {one.unit}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from ..benchmark.folder import Benchmark
     from ..benchmark.making import BenchmarkResult
     from ..benchmark.planning import BenchmarkPlan, BenchmarkSettings
-    from ..benchmark.scoring import Scores
+    from ..benchmark.scoring import Figure
     from ..imagery.source import Source
     from ..mission.imageries import NamedImagery
 
@@ -222,11 +223,30 @@ def _run(arguments: argparse.Namespace) -> int:
 def _score(arguments: argparse.Namespace) -> int:
     from ..benchmark.answers import Predictions
     from ..benchmark.folder import Benchmark
+    from ..sequences.files import sequence_file
 
+    if sequence_file(arguments.folder) is not None:
+        return _score_sequence(arguments)
     benchmark = Benchmark.read(arguments.folder)
     predictions = Predictions.read(arguments.predictions, benchmark)
     name = writable(Path(arguments.predictions).stem)
     return _report_scores(arguments, benchmark, predictions, name, _target(arguments, benchmark, name))
+
+
+def _score_sequence(arguments: argparse.Namespace) -> int:
+    """Score predictions for the frames of a sequence."""
+    from ..benchmark.page import figures_document
+    from ..benchmark.sequences import score_sequence
+
+    for name in ("part", "output"):
+        if getattr(arguments, name) is not None:
+            raise InvalidInput("--{0}: is for benchmarks, and not for sequences", name)
+    groups = {"frames": score_sequence(arguments.folder, arguments.predictions)}
+    if arguments.json:
+        print(json.dumps(figures_document(groups)["frames"], indent=1))
+    else:
+        _print_figures(groups)
+    return DONE
 
 
 def _target(arguments: argparse.Namespace, benchmark: Benchmark, name: str) -> Path:
@@ -248,16 +268,16 @@ def _report_scores(
     if arguments.json:
         print(json.dumps(scores_document(scores, title), indent=1))
         return DONE
-    _print_scores(scores)
+    _print_figures(scores.groups)
     if page is not None:
         print(f"page in {printable(str(page))}")
     return DONE
 
 
-def _print_scores(scores: Scores) -> None:
+def _print_figures(groups: Mapping[str, Sequence[Figure]]) -> None:
     from ..benchmark.page import figure_rows
 
-    rows = [("", *scores.groups, ""), *figure_rows(scores.groups)]
+    rows = [("", *groups, ""), *figure_rows(groups)]
     widths = [max(len(row[at]) for row in rows) for at in range(len(rows[0]) - 1)]
     for row in rows:
         cells = (cell.rjust(width) if at else cell.ljust(width) for at, (cell, width) in enumerate(zip(row, widths)))

@@ -259,8 +259,8 @@ def _add_benchmark(whole: argparse.ArgumentParser) -> None:
         help="ncc, sift, orb, middle, prior or silhouette, or your own module:function",
     )
     running.add_argument("--quiet", action="store_true", help="no progress")
-    scoring = actions.add_parser("score", help="score predictions")
-    scoring.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
+    scoring = actions.add_parser("score", help="score predictions for a benchmark or a sequence")
+    scoring.add_argument("folder", metavar="BENCHMARK", help="folder of the benchmark or the sequence")
     scoring.add_argument("predictions", metavar="PREDICTIONS", help="CSV: query, references, lat_deg, lon_deg, …")
     for command in (running, scoring):
         command.add_argument("--part", choices=PARTS, help="only queries of one part")

@@ -66,6 +66,12 @@ def read_table(folder: Path, name: str) -> tuple[Numbers, Floats]:
     return stamps, values
 
 
+def sequence_file(folder: str | os.PathLike[str]) -> Path | None:
+    """The file that states the sequence of a dataset, in its folder or, of several imageries, above; None without."""
+    paths = (one / SEQUENCE_FILE for one in (Path(folder), Path(folder).resolve().parent))
+    return next((path for path in paths if path.is_file()), None)
+
+
 @dataclass(frozen=True, eq=False)
 class SequenceRecord:
     """A sequence as its folder states it.
@@ -91,17 +97,14 @@ class SequenceRecord:
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str]) -> SequenceRecord:
-        """Read the sequence of a dataset; of several imageries, that of one, whose sequence is in the folder above.
+        """Read the sequence of a dataset.
 
         Raises
         ------
         InvalidInput
             The folder holds no sequence, or a damaged one.
         """
-        path = next(
-            (one / SEQUENCE_FILE for one in (Path(folder), Path(folder).parent) if (one / SEQUENCE_FILE).is_file()),
-            None,
-        )
+        path = sequence_file(folder)
         if path is None:
             raise InvalidInput(
                 "folder {0}: is not a sequence, as it has no {1}", folder, SEQUENCE_FILE, remedy="fly one"
