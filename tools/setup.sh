@@ -21,7 +21,8 @@ if [[ -n $WANTED ]]; then
     PACKAGES+=(python3-venv libegl1 libimage-exiftool-perl proj-bin)
 fi
 if [[ $WANTED == tests ]]; then
-    PACKAGES+=(grass-core)  # whose shadows tests compare with
+    # Shadows are compared with GRASS's, and a page is opened in Chromium.
+    PACKAGES+=(grass-core chromium)
 fi
 STAMP=.venv/terrainav-setup-$WANTED
 
