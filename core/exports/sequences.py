@@ -165,7 +165,9 @@ def _euroc(found: RecordedSequence, root: Path, progress: Report | None) -> None
     contract, record = found.contract, found.record
     fisheye, coefficients = contract.lens == FISHEYE, contract.coefficients
     if not fisheye and any(coefficients[4:]):
-        raise InvalidInput("lens with {0} coefficients: EuRoC's files state four; use a bag", len(coefficients))
+        raise InvalidInput(
+            "lens with {0} coefficients: EuRoC's files state four", len(coefficients), remedy="write a bag (rosbag2)"
+        )
     names = [f"{stamp}.png" for stamp in found.stamps_ns.tolist()]
     make_folder(mav / "cam0" / "data")
     for done, (row, name) in enumerate(zip(found.rows, names), 1):

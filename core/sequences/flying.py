@@ -298,8 +298,8 @@ def track_trajectory(track: Track, height_m: Floats, settings: SequenceSettings,
     attitude = track.attitude_deg or (track.headings_deg(), level, level)
     # Files state at most microseconds, which float64 seconds after 1970 keep to a quarter.
     time_s = np.round(track.time_s - track.time_s[0], 6)
-    found = Trajectory.through_cameras(time_s, track.lat_deg, track.lon_deg, height_m, attitude, rig, start_us)
-    return found.smoothed(settings.smooth_s) if settings.smooth_s else found
+    places = track.lat_deg, track.lon_deg, height_m
+    return Trajectory.through_cameras(time_s, *places, attitude, rig, start_us, settings.smooth_s or 0.0)
 
 
 def _rounded_path(flown: Plan, path: FlightPath, settings: SequenceSettings, rig: Rig, start_us: int) -> Trajectory:

@@ -113,14 +113,17 @@ class Trajectory:
         attitude_deg: tuple[Floats, Floats, Floats],
         rig: Rig,
         start_us: int,
+        smooth_s: float = 0.0,
     ) -> Trajectory:
         """Trajectory of the body through poses of its camera; see `through`."""
         rotations = rig.rotations(lat_deg, lon_deg, attitude_deg)
         places = geocentric(lat_deg, lon_deg, height_m) - rotations @ np.array(rig.lever_m)
-        return cls.through(time_s, places, rotations, start_us)
+        return cls.through(time_s, places, rotations, start_us, smooth_s)
 
     @classmethod
-    def through(cls, time_s: Floats, places_m: Floats, rotations: Floats, start_us: int) -> Trajectory:
+    def through(
+        cls, time_s: Floats, places_m: Floats, rotations: Floats, start_us: int, smooth_s: float = 0.0
+    ) -> Trajectory:
         """Trajectory through poses.
 
         Parameters
@@ -133,6 +136,8 @@ class Trajectory:
             From the body's axes to geocentric ones.
         start_us : int
             Time of the first pose, microseconds after 1970.
+        smooth_s : float
+            Interval of the control points of a uniform cubic B-spline, which no longer meets the poses; 0 to meet them.
 
         Raises
         ------
@@ -153,6 +158,8 @@ class Trajectory:
         quaternions = continuous(quaternions_from_matrices(rotations))
         _check_turns(quaternions)
         states = np.concatenate([places_m - places_m[0], quaternions], axis=1)
+        if smooth_s:
+            time_s, states = _smoothed(time_s, states, smooth_s)
         found = cls(start_us, time_s, states, spline_slopes(time_s, states), places_m[0])
         _check_accelerations(found)
         return found
@@ -176,21 +183,6 @@ class Trajectory:
             turn / length2,
         )
 
-    def smoothed(self, interval_s: float) -> Trajectory:
-        """The trajectory as a uniform cubic B-spline with control points at an interval: it no longer meets the poses.
-
-        Raises
-        ------
-        InvalidInput
-            As for `through`.
-        """
-        steps = max(round(self.duration_s / interval_s), FEWEST_POSES - 1)
-        time_s = np.linspace(0.0, self.duration_s, steps + 1)
-        control = np.stack([np.interp(time_s, self.knots_s, column) for column in self.states.T], axis=1)
-        values = uniform_b_spline(control, steps, time_s / time_s[-1] * steps)
-        quaternions = values[:, 3:] / np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
-        return Trajectory.through(time_s, values[:, :3] + self.origin_m, rotation_matrices(quaternions), self.start_us)
-
 
 def continuous(quaternions: Floats) -> Floats:
     """Quaternions (n, 4) with the signs that bring each nearest to the one before it."""
@@ -200,13 +192,21 @@ def continuous(quaternions: Floats) -> Floats:
     return signed
 
 
+def _smoothed(time_s: Floats, states: Floats, interval_s: float) -> tuple[Floats, Floats]:
+    """Knots (m,) and their states (m, k) of a B-spline, whose control points are states at about an interval."""
+    steps = max(round(time_s[-1] / interval_s), FEWEST_POSES - 1)
+    knots_s = np.linspace(0.0, time_s[-1], steps + 1)
+    control = np.stack([np.interp(knots_s, time_s, column) for column in states.T], axis=1)
+    return knots_s, uniform_b_spline(control, steps, np.arange(steps + 1.0))
+
+
 def _check_turns(quaternions: Floats) -> None:
     cosine = np.abs(np.einsum("ni,ni->n", quaternions[1:], quaternions[:-1]))
     turns = 2.0 * np.degrees(np.arccos(np.minimum(cosine, 1.0)))
     wide = np.flatnonzero(turns > WIDEST_TURN_DEG)
     if len(wide):
         raise InvalidInput(
-            "trajectory: jumps by {0:.0f} deg from pose {1:,} to the next; at most {2:g} can be joined smoothly",
+            "trajectory: jumps by {0:.0f} deg from pose {1:,} to the next: must be at most {2:g}",
             turns[wide[0]],
             int(wide[0]) + 1,
             WIDEST_TURN_DEG,

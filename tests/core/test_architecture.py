@@ -375,6 +375,7 @@ OWN_READS = {
     "core/mission/areas/files.py": {"zipfile.ZipFile(io.BytesIO(body))": "of read_limited"},
     "core/mission/export/clearance.py": {"zipfile.ZipFile(io.BytesIO(data))": "made by this program a moment ago"},
     "core/mission/export/wpml.py": {"zipfile.ZipFile(packed, 'w', zipfile.ZIP_DEFLATED)": "is written"},
+    "core/sequences/jsbsim.py": {"open(os.devnull, 'wb')": "is written"},
     "core/vectors/index.py": {
         "sqlite3.connect(f'{path.absolute().as_uri()}?mode={mode}', uri=True)": "an index of ours in the cache"
     },

@@ -22,6 +22,7 @@ from tests.core.remedies import (  # noqa: F401
     poses,
     relief,
     routes,
+    sequences,
     sunlight,
     varied,
 )

@@ -177,8 +177,12 @@ def test_a_smoothed_trajectory_is_a_b_spline():
     t = np.arange(0.0, 41.0)
     corner = np.where(t < 20.0, 0.0, (t - 20.0) * 1e-4)
     level = np.zeros_like(t)
-    flown = Trajectory.through_cameras(t, 46.0 + corner, level, level + 100.0, (level, level, level), Rig(), START_US)
-    smooth = flown.smoothed(4.0)
+    flown, smooth = (
+        Trajectory.through_cameras(
+            t, 46.0 + corner, level, level + 100.0, (level, level, level), Rig(), START_US, interval_s
+        )
+        for interval_s in (0.0, 4.0)
+    )
     motion = smooth.at(np.linspace(0.0, 40.0, 500))
     assert np.linalg.norm(motion.acceleration_m_per_s2, axis=1).max() < 1.1 * 11.1 / 4.0
     off = np.linalg.norm(smooth.at(t).place_m - flown.at(t).place_m, axis=1)
