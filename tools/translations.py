@@ -40,6 +40,10 @@ COMMAND_ONLY = (
     "core/dataset/loading",
     "core/dataset/vbn.py",
     "core/pairs",
+    "core/sequences/flying.py",
+    "core/sequences/jsbsim.py",
+    "core/sequences/settings.py",
+    "core/sequences/trajectory.py",
 )
 #: A word; texts without one are not translated.
 _WORD = re.compile(r"[A-Za-z]{2,}")

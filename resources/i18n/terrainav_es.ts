@@ -2386,6 +2386,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>Sequences</source>
+        <translation>Secuencias</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
         <source>Show what was written</source>
         <translation>Mostrar lo que se ha escrito</translation>
     </message>
@@ -2408,6 +2413,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
         <source>This folder has no labels of pixels.</source>
         <translation>Esta carpeta no tiene etiquetas de píxeles.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>This folder is not a sequence.</source>
+        <translation>Esta carpeta no es una secuencia.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
@@ -6665,8 +6675,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Of camera frames: {views}. Of any dataset: {datasets}. Of labels of pixels: {labels}. Of a benchmark: {benchmarks}.</source>
-        <translation>De vistas de cámara: {views}. De cualquier conjunto de datos: {datasets}. De etiquetas de píxeles: {labels}. De un conjunto de evaluación: {benchmarks}.</translation>
+        <source>Of camera frames: {views}. Of any dataset: {datasets}. Of labels of pixels: {labels}. Of a sequence: {sequences}. Of a benchmark: {benchmarks}.</source>
+        <translation>De vistas de cámara: {views}. De cualquier conjunto de datos: {datasets}. De etiquetas de píxeles: {labels}. De una secuencia: {sequences}. De un conjunto de evaluación: {benchmarks}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -8238,6 +8248,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/benchmark/folder.py"/>
         <location filename="../../core/dataset/table.py"/>
         <location filename="../../core/exports/croissant.py"/>
+        <location filename="../../core/sequences/files.py"/>
         <source>table {0}: cannot be read ({1})</source>
         <translation>tabla {0}: no se puede leer ({1})</translation>
     </message>
@@ -8413,7 +8424,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/benchmark/planning.py"/>
         <location filename="../../core/report/measure.py"/>
         <source>choose other fields</source>
-        <translation>elija otros campos</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
@@ -8499,7 +8510,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/benchmark/planning.py"/>
         <source>vary {0!r}: benchmarks have one camera</source>
-        <translation>vary {0!r}: los bancos de pruebas tienen una sola cámara</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
@@ -8570,6 +8581,21 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/benchmark/scoring.py"/>
         <source>{0}: rank {1}, which is of another part than the queries</source>
         <translation>{0}: clasifican {1}, que es de otra parte que las consultas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/sequences.py"/>
+        <source>predictions {0}: need the columns query, lat_deg and lon_deg; its columns are {1}</source>
+        <translation>predicciones {0}: necesitan las columnas query, lat_deg y lon_deg; sus columnas son {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/sequences.py"/>
+        <source>{0} frame {1!r} is answered in line {2} already</source>
+        <translation>{0} el fotograma {1!r} ya tiene respuesta en la línea {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/sequences.py"/>
+        <source>{0} frame {1!r} is not in the sequence</source>
+        <translation>{0} el fotograma {1!r} no está en la secuencia</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/silhouettes.py"/>
@@ -8671,12 +8697,12 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/camera/varying.py"/>
         <source>{0} must be numbers</source>
-        <translation>{0} deben ser números</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/camera/varying.py"/>
         <source>{0} must be one of {1}</source>
-        <translation>{0} debe ser una de {1}</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/camera/varying.py"/>
@@ -9970,11 +9996,13 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/exports/formats.py"/>
         <location filename="../../core/exports/kinds.py"/>
         <location filename="../../core/exports/localisers.py"/>
+        <location filename="../../core/live/encoding.py"/>
         <source>format {0!r}: must be one of {1}</source>
         <translation>formato {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
         <location filename="../../core/exports/formats.py"/>
+        <location filename="../../core/geodesy/contract.py"/>
         <source>lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has</source>
         <translation>objetivo con k4 {0:g}, k5 {1:g} y k6 {2:g}: nerfstudio no tiene ese objetivo, y COLMAP sí</translation>
     </message>
@@ -9995,6 +10023,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
+        <source>EuRoC dataset (ASL)</source>
+        <translation>conjunto de datos EuRoC (ASL)</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
         <source>Hugging Face datasets</source>
         <translation>Hugging Face</translation>
     </message>
@@ -10011,6 +10044,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
+        <source>ROS 2 bag</source>
+        <translation>bag de ROS 2</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>ROS 2 bag as MCAP</source>
+        <translation>bag de ROS 2 en MCAP</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
         <source>STAC collection</source>
         <translation>Colección STAC</translation>
     </message>
@@ -10022,8 +10065,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
-        <source>format {0}: needs the Python package pyarrow, which is not installed</source>
-        <translation>formato {0}: necesita el paquete de Python pyarrow, que no está instalado</translation>
+        <source>format {0}: needs the Python package {1}, which is not installed</source>
+        <translation>formato {0}: necesita el paquete de Python {1}, que no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
@@ -10064,6 +10107,36 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/exports/scenes.py"/>
         <source>benchmark {0}: does not say how its queries were taken</source>
         <translation>banco de pruebas {0}: no dice cómo se tomaron sus consultas</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/sequences.py"/>
+        <source>folder {0}: its frames have no times</source>
+        <translation>carpeta {0}: sus fotogramas no tienen hora</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/sequences.py"/>
+        <source>frame {0}: has another size than the camera's {1} x {2}</source>
+        <translation>fotograma {0}: tiene otro tamaño que el de la cámara, {1} x {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/sequences.py"/>
+        <source>get it with: pip install 'terrainav[ros]'</source>
+        <translation>instálelo con: pip install 'terrainav[ros]'</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/sequences.py"/>
+        <source>lens with {0} coefficients: EuRoC's files state four</source>
+        <translation>objetivo con {0} coeficientes: los archivos de EuRoC indican cuatro</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/sequences.py"/>
+        <source>write a bag (rosbag2)</source>
+        <translation>escriba un bag (rosbag2)</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/sequences.py"/>
+        <source>{0}, which writes bags, is not installed</source>
+        <translation>{0}, que escribe bags, no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/exports/stac.py"/>
@@ -10408,6 +10481,16 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>{0} {1:g}: un ojo de pez solo tiene k1 a k4</translation>
     </message>
     <message>
+        <location filename="../../core/geodesy/contract.py"/>
+        <source>camera contract of version {0}: must be {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/contract.py"/>
+        <source>camera contract: lacks or misstates {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/geodesy/distortion.py"/>
         <source>choose a smaller field of view</source>
         <translation>elija un campo de visión menor</translation>
@@ -10646,6 +10729,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/geodesy/lens.py"/>
         <source>{0} field of view {1} deg: must be between 0 and 180, both excluded</source>
         <translation>campo de visión {0} de {1} grados: debe estar entre 0 y 180, ambos excluidos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/magnetic.py"/>
+        <source>year {0:.1f}: the magnetic field is known from {1:.0f} to {2:.0f}</source>
+        <translation>año {0:.1f}: el campo magnético se conoce de {1:.0f} a {2:.0f}</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/mercator.py"/>
@@ -12361,6 +12449,106 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>orden de etiquetas {0}: tiene el valor {1!r}, que no es un número</translation>
     </message>
     <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>camera {0!r}: must be one of {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>image type {0}: has no floating point values, and depth 1 or 2 have</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>image type {0}: must be scene 0, depth 1 or 2, segmentation 5 (with labels), or normals 6</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>method {0!r}: is none of a camera's: {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>method {0!r}: takes other parameters ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>pose: must have position and orientation with numbers</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>pose: position and orientation must be finite, and the quaternion not zero</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>request: {0} is missing or no {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/airsim.py"/>
+        <source>requests: must be a list of 1 to {0} images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/camera.py"/>
+        <source>choose camera</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/camera.py"/>
+        <source>frame {0}: a live camera sees perspectives</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/encoding.py"/>
+        <source>choose tif</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/encoding.py"/>
+        <source>format {0}: cannot hold {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/encoding.py"/>
+        <source>image {0!r}: this frame has {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/http.py"/>
+        <source>message: must be a JSON object with lat, lon and agl</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/http.py"/>
+        <source>parameter {0!r}: must be one of {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/http.py"/>
+        <source>parameter {0} {1!r}: must be a number</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/http.py"/>
+        <source>parameter {0}: is missing</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/http.py"/>
+        <source>parameters agl and height: must be one of the two, above ground or the ellipsoid</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/serving.py"/>
+        <source>busy: {0} requests wait; ask again later</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/mission/areas/area.py"/>
         <location filename="../../core/mission/estimate.py"/>
         <source>area</source>
@@ -12861,7 +13049,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>cameras.json for OpenDroneMap is empty where different lenses have one focal length</source>
-        <translation>cameras.json para OpenDroneMap queda vacío si lentes distintas tienen la misma distancia focal</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -14282,7 +14470,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/methods.py"/>
         <source>each image has a lens of its own, which windows of a map do not</source>
-        <translation>cada imagen tiene su propia lente, y las ventanas de un mapa no</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -16183,7 +16371,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>add bounds as {0}</source>
-        <translation>añada límites como {0}</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16214,7 +16402,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>fields that may are {0}</source>
-        <translation>los campos que pueden son {0}</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16239,7 +16427,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>plan a mission for each</source>
-        <translation>planifique una misión para cada una</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16259,22 +16447,22 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: the images of a mission have one shape</source>
-        <translation>vary {0!r}: las imágenes de una misión tienen una sola forma</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: {1} appears twice</source>
-        <translation>vary {0!r}: {1} aparece dos veces</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: {1} may not vary: {2}</source>
-        <translation>vary {0!r}: {1} no puede variar: {2}</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0}: with {1}, {2}</source>
-        <translation>vary {0}: con {1}, {2}</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -17596,7 +17784,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/report/measure.py"/>
         <source>vary {0!r}: methods are measured with one camera</source>
-        <translation>vary {0!r}: los métodos se miden con una sola cámara</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>
@@ -17627,6 +17815,36 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/report/sharpness.py"/>
         <source>edge {0:.1f} px from the image's side: must be 2 px or more</source>
         <translation>borde a {0:.1f} px del lado de la imagen: debe ser 2 px o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/sequences/files.py"/>
+        <source>camera {0}: cannot be read ({1})</source>
+        <translation>cámara {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/sequences/files.py"/>
+        <source>fly one</source>
+        <translation>vuele una</translation>
+    </message>
+    <message>
+        <location filename="../../core/sequences/files.py"/>
+        <source>folder {0}: is not a sequence, as it has no {1}</source>
+        <translation>carpeta {0}: no es una secuencia, pues no tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/sequences/files.py"/>
+        <source>has other columns</source>
+        <translation>tiene otras columnas</translation>
+    </message>
+    <message>
+        <location filename="../../core/sequences/files.py"/>
+        <source>sequence {0}: cannot be read ({1})</source>
+        <translation>secuencia {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/sequences/files.py"/>
+        <source>version {0}: must be {1}</source>
+        <translation>versión {0}: debe ser {1}</translation>
     </message>
     <message>
         <location filename="../../core/storage/config.py"/>
@@ -17892,6 +18110,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/units.py"/>
+        <source>Hz</source>
+        <translation>Hz</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
         <source>cycles per px</source>
         <translation>ciclos por px</translation>
     </message>
@@ -17929,6 +18152,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/units.py"/>
         <source>electrons per second</source>
         <translation>electrones por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>hertz</source>
+        <translation>hercios</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
