@@ -8424,7 +8424,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/benchmark/planning.py"/>
         <location filename="../../core/report/measure.py"/>
         <source>choose other fields</source>
-        <translation type="unfinished"></translation>
+        <translation>elija otros campos</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
@@ -8510,7 +8510,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/benchmark/planning.py"/>
         <source>vary {0!r}: benchmarks have one camera</source>
-        <translation type="unfinished"></translation>
+        <translation>vary {0!r}: los bancos de pruebas tienen una sola cámara</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
@@ -8697,12 +8697,12 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/camera/varying.py"/>
         <source>{0} must be numbers</source>
-        <translation type="unfinished"></translation>
+        <translation>{0} deben ser números</translation>
     </message>
     <message>
         <location filename="../../core/camera/varying.py"/>
         <source>{0} must be one of {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0} debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/camera/varying.py"/>
@@ -10483,12 +10483,12 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/geodesy/contract.py"/>
         <source>camera contract of version {0}: must be {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>contrato de cámara de la versión {0}: debe ser {1}</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/contract.py"/>
         <source>camera contract: lacks or misstates {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>contrato de cámara: falta {0} o es incorrecto</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/distortion.py"/>
@@ -12451,102 +12451,102 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>camera {0!r}: must be one of {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>cámara {0!r}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>image type {0}: has no floating point values, and depth 1 or 2 have</source>
-        <translation type="unfinished"></translation>
+        <translation>tipo de imagen {0}: no tiene valores de coma flotante; los tienen las profundidades 1 y 2</translation>
     </message>
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>image type {0}: must be scene 0, depth 1 or 2, segmentation 5 (with labels), or normals 6</source>
-        <translation type="unfinished"></translation>
+        <translation>tipo de imagen {0}: debe ser escena 0, profundidad 1 o 2, segmentación 5 (con etiquetas) o normales 6</translation>
     </message>
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>method {0!r}: is none of a camera's: {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>método {0!r}: no es ninguno de los de una cámara: {1}</translation>
     </message>
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>method {0!r}: takes other parameters ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>método {0!r}: toma otros parámetros ({1})</translation>
     </message>
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>pose: must have position and orientation with numbers</source>
-        <translation type="unfinished"></translation>
+        <translation>pose: debe tener posición y orientación con números</translation>
     </message>
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>pose: position and orientation must be finite, and the quaternion not zero</source>
-        <translation type="unfinished"></translation>
+        <translation>pose: la posición y la orientación deben ser finitas, y el cuaternión no nulo</translation>
     </message>
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>request: {0} is missing or no {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>petición: falta {0} o no es {1}</translation>
     </message>
     <message>
         <location filename="../../core/live/airsim.py"/>
         <source>requests: must be a list of 1 to {0} images</source>
-        <translation type="unfinished"></translation>
+        <translation>peticiones: debe ser una lista de 1 a {0} imágenes</translation>
     </message>
     <message>
         <location filename="../../core/live/camera.py"/>
         <source>choose camera</source>
-        <translation type="unfinished"></translation>
+        <translation>elija camera</translation>
     </message>
     <message>
         <location filename="../../core/live/camera.py"/>
         <source>frame {0}: a live camera sees perspectives</source>
-        <translation type="unfinished"></translation>
+        <translation>marco {0}: una cámara en vivo ve perspectivas</translation>
     </message>
     <message>
         <location filename="../../core/live/encoding.py"/>
         <source>choose tif</source>
-        <translation type="unfinished"></translation>
+        <translation>elija tif</translation>
     </message>
     <message>
         <location filename="../../core/live/encoding.py"/>
         <source>format {0}: cannot hold {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>formato {0}: no puede contener {1}</translation>
     </message>
     <message>
         <location filename="../../core/live/encoding.py"/>
         <source>image {0!r}: this frame has {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>imagen {0!r}: este fotograma tiene {1}</translation>
     </message>
     <message>
         <location filename="../../core/live/http.py"/>
         <source>message: must be a JSON object with lat, lon and agl</source>
-        <translation type="unfinished"></translation>
+        <translation>mensaje: debe ser un objeto JSON con lat, lon y agl</translation>
     </message>
     <message>
         <location filename="../../core/live/http.py"/>
         <source>parameter {0!r}: must be one of {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>parámetro {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
         <location filename="../../core/live/http.py"/>
         <source>parameter {0} {1!r}: must be a number</source>
-        <translation type="unfinished"></translation>
+        <translation>parámetro {0} {1!r}: debe ser un número</translation>
     </message>
     <message>
         <location filename="../../core/live/http.py"/>
         <source>parameter {0}: is missing</source>
-        <translation type="unfinished"></translation>
+        <translation>parámetro {0}: falta</translation>
     </message>
     <message>
         <location filename="../../core/live/http.py"/>
         <source>parameters agl and height: must be one of the two, above ground or the ellipsoid</source>
-        <translation type="unfinished"></translation>
+        <translation>parámetros agl y height: debe ser uno de los dos, sobre el terreno o el elipsoide</translation>
     </message>
     <message>
         <location filename="../../core/live/serving.py"/>
         <source>busy: {0} requests wait; ask again later</source>
-        <translation type="unfinished"></translation>
+        <translation>ocupado: {0} peticiones esperan; vuelva a pedirlo más tarde</translation>
     </message>
     <message>
         <location filename="../../core/mission/areas/area.py"/>
@@ -13049,7 +13049,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>cameras.json for OpenDroneMap is empty where different lenses have one focal length</source>
-        <translation type="unfinished"></translation>
+        <translation>cameras.json para OpenDroneMap queda vacío si lentes distintas tienen la misma distancia focal</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -14470,7 +14470,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/methods.py"/>
         <source>each image has a lens of its own, which windows of a map do not</source>
-        <translation type="unfinished"></translation>
+        <translation>cada imagen tiene su propia lente, y las ventanas de un mapa no</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -16371,7 +16371,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>add bounds as {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>añada límites como {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16402,7 +16402,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>fields that may are {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>los campos que pueden son {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16427,7 +16427,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>plan a mission for each</source>
-        <translation type="unfinished"></translation>
+        <translation>planifique una misión para cada una</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
@@ -16447,22 +16447,22 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: the images of a mission have one shape</source>
-        <translation type="unfinished"></translation>
+        <translation>vary {0!r}: las imágenes de una misión tienen una sola forma</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: {1} appears twice</source>
-        <translation type="unfinished"></translation>
+        <translation>vary {0!r}: {1} aparece dos veces</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0!r}: {1} may not vary: {2}</source>
-        <translation type="unfinished"></translation>
+        <translation>vary {0!r}: {1} no puede variar: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/varied.py"/>
         <source>vary {0}: with {1}, {2}</source>
-        <translation type="unfinished"></translation>
+        <translation>vary {0}: con {1}, {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -17784,7 +17784,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/report/measure.py"/>
         <source>vary {0!r}: methods are measured with one camera</source>
-        <translation type="unfinished"></translation>
+        <translation>vary {0!r}: los métodos se miden con una sola cámara</translation>
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>
