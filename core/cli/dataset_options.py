@@ -360,8 +360,8 @@ def add_export(exporting: argparse.ArgumentParser) -> None:
         choices=tuple(KINDS),
         help="for camera frames: the model of COLMAP or nerfstudio, or a trajectory; for a dataset: tables as "
         "Parquet, image folders for Hugging Face datasets, a description of the files, or STAC items and their "
-        "collection; for a dataset with labels: a training set of COCO or YOLO; for a benchmark: the layout of a set "
-        "that localisers are evaluated on",
+        "collection; for a dataset with labels: a training set of COCO or YOLO; for a sequence: EuRoC or a ROS 2 bag; "
+        "for a benchmark: the layout of a set that localisers are evaluated on",
     )
     exporting.add_argument(
         "--map-type",

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +18,7 @@ from terrainav.core.geodesy.local import LocalFrame, enu_axes, geocentric
 from tests.support import strapdown
 from tests.support.command import command
 
+ROOT = Path(__file__).parents[3]
 #: Over a minute of flight with turns between rows; few small images.
 FLIGHT = ("fly", "--coords", "46.210_-122.20_46.207_-122.196_150", "--fov", "60", "--rate", "1")
 SMALL = ("--img-size", "32", "24", "3", "--format", "png", "--quiet", "--data-dir", "out")
@@ -77,6 +81,19 @@ def test_the_files_of_a_sequence_lead_back_to_the_poses_of_its_frames(run, tmp_p
         )
         assert np.linalg.norm(place + body.apply(to_imu[:3, 3]) - camera) < 0.05
         assert np.degrees(((body * Rotation.from_matrix(to_imu[:3, :3])).inv() * turned).magnitude()) < 0.01
+
+
+def test_dead_reckoning_with_an_ideal_unit_finds_every_frame(run, tmp_path):
+    done = run(*FLIGHT[:-1], "0.5", *SMALL, "--imu", "ideal", "--imagery", "now=world", "map=world:roadmap")
+    assert done.returncode == 0, done.stderr
+    script = ROOT / "examples" / "dead_reckoning.py"
+    subprocess.run([sys.executable, script, "out", "predictions.csv"], cwd=tmp_path, check=True)
+    done = run("benchmark", "score", "out/now", "predictions.csv", "--json")
+    found = {one["name"]: one["value"] for one in json.loads(done.stdout)}
+    assert found["within 1 m"] == 1.0
+    # Its steps are of second order, and its gravity knows the flattening alone.
+    assert found["median error"] < 0.1
+    assert found["drift"] < 1e-3
 
 
 def test_a_sequence_resumes_and_repeats_to_the_byte(run, tmp_path):
