@@ -216,6 +216,7 @@ def test_only_what_a_dataset_can_become_is_offered(desk, window, dataset, tmp_pa
     assert "was captured without labels" in tab.kinds["coco"].toolTip()
     assert [note.text() for note in tab.notes[2:]] == [
         "This folder has no labels of pixels.",
+        "This folder is not a sequence.",
         "This folder is not a benchmark.",
     ]
     target = tmp_path / "out"
