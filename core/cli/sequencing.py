@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..dataset.folder import MISSION_FILE
 from ..errors import InvalidInput
 from ..fields import declared_fields
+from ..storage.stores import is_address
 from ..text.plain import printable
 from .flying import capture_mission, mission_settings, requested_heights
 from .posing import sensor_errors
@@ -64,13 +65,17 @@ def run_fly(arguments: argparse.Namespace) -> int:
             trajectory, note = _planned(flown, settings, rig)
         else:
             trajectory, note = _followed(track, arguments, one, grid, heights, settings, rig), ""
-        sequence = Sequence(trajectory, rig, settings, *errors, sensors)
+        # The tilt of a mission is that of its poses, and that of a track how the camera sits on the aircraft.
+        mount = rig if track is None else replace(rig, tilt_deg=one.attitude.tilt_deg)
+        sequence = Sequence(trajectory, mount, settings, *errors, sensors)
         frames = sequence.frames_mission(asked)
         planned = plan(frames.of_first_imagery, grid, heights)
         made.append((sequence, planned))
         print(printable(f"{sequence.text(len(planned))}{note}"), file=sys.stderr)
         return frames
 
+    if is_address(values["data_dir"] or ""):
+        raise InvalidInput("data folder {0}: must be one of this machine for a sequence", values["data_dir"])
     code = capture_mission(mission, values, arguments, change)
     folder = Path(values["data_dir"])
     if made and (folder / MISSION_FILE).is_file():

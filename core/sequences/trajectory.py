@@ -14,6 +14,7 @@ import numpy as np
 from ..arrays import Floats
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import attitude_from_axes, image_axes
+from ..geodesy.ellipsoid import sin_cos
 from ..geodesy.local import enu_axes, geocentric, geodetic
 from ..geodesy.quaternions import quaternions_from_matrices, rotation_matrices
 from ..poses.trajectories import BODIES
@@ -56,15 +57,20 @@ class Rig:
         The body's axes, one of `BODIES`: where the camera looks.
     lever_m : tuple of three floats
         Camera's projection centre in the body's axes.
+    tilt_deg : float
+        How far the view is raised from there towards the top of the image.
     """
 
     body: str = "frd"
     lever_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    tilt_deg: float = 0.0
 
     @property
     def camera_axes(self) -> Floats:
         """Camera's axes right, down and view in the body's axes, as columns (3, 3)."""
-        axes: Floats = (BODIES[self.body] * np.array([[1.0], [-1.0], [1.0]])).T
+        right, image_up, view = BODIES[self.body]
+        sine, cosine = sin_cos(self.tilt_deg)
+        axes: Floats = np.stack([right, sine * view - cosine * image_up, cosine * view + sine * image_up], axis=-1)
         return axes
 
     def rotations(self, lat_deg: Floats, lon_deg: Floats, attitude_deg: tuple[Floats, Floats, Floats]) -> Floats:

@@ -64,12 +64,14 @@ def test_measurements_are_the_rates_and_forces_of_the_model(own):
 
 def test_the_quadrotor_flies_over_relief(run, tmp_path):
     done = run("fly", "--jsbsim", SCRIPT, "--jsbsim-place", "46.2", "-122.2", "--raise", "50", "--rate", "1",
-               "--elevation", "world", *SMALL)  # fmt: skip
+               "--tilt", "40", "--elevation", "world", *SMALL)  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "30 frames at 1 Hz in 30.0 s" in done.stderr
     found = read_dataset(tmp_path / "out").image_sets["satellite"].table
     assert found.agl_m[0] == pytest.approx(50.15, abs=0.1)
     assert found.agl_m.max() > 200.0
+    # The aircraft pitches up by 2.7 degrees, and its camera is fixed to it.
+    assert np.median(found.tilt_deg) == pytest.approx(42.7, abs=0.2)
     assert json.loads((tmp_path / "out" / "sequence.json").read_text())["flight"]["jsbsim"] == "Test_F450_Launch.xml"
 
 
