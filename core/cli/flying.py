@@ -107,9 +107,10 @@ def requested_source(
     )
 
 
-def _named_source(
+def mission_source(
     mission: Mission, values: dict[str, Any], cache: TileCache | None = None, *, as_stored: bool = False
 ) -> NamedSource:
+    """Return the source of a mission with the options of the run."""
     from ..mission.sunlight import mission_sun
 
     imagery = mission.imagery
@@ -153,7 +154,7 @@ def _plan_mission(mission: Mission, values: dict[str, Any], source: Source | Nam
     return plan(mission, source.grid, requested_heights(mission, values))
 
 
-def _fit_flight(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
+def fit_flight(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
     """Align the rows of a mission and choose its airspeed where that is requested, and print what comes of it."""
     one = mission.of_first_imagery
     way = getattr(arguments, "align", None)
@@ -176,7 +177,7 @@ def _fit_flight(mission: Mission, arguments: argparse.Namespace, values: dict[st
 
 def open_mission_source(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
     """Open the source of a mission."""
-    return closing(_named_source(mission, values, open_cache(values), as_stored=as_stored).open())
+    return closing(mission_source(mission, values, open_cache(values), as_stored=as_stored).open())
 
 
 def _bounds_deg(planned: Plan) -> tuple[float, float, float, float]:
@@ -263,9 +264,9 @@ def run_plan(arguments: argparse.Namespace) -> int:
     mission, values = mission_settings(arguments)
     each = mission.missions_by_imagery
     sources = {
-        name: _named_source(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
+        name: mission_source(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
     }
-    mission = _fit_flight(mission, arguments, values, next(iter(sources.values())).grid)
+    mission = fit_flight(mission, arguments, values, next(iter(sources.values())).grid)
     each = mission.missions_by_imagery
     plans = {name: _plan_mission(each.get(name, mission), values, source) for name, source in sources.items()}
     _print_lacks(next(iter(plans.values())))
@@ -319,7 +320,7 @@ def _plan_joined(arguments: argparse.Namespace) -> int:
         mission, values = mission_settings(one)
         # Several imageries share one flight.
         mission = mission.of_first_imagery
-        plans.append(_plan_mission(mission, values, _named_source(mission, values, as_stored=_as_written(mission))))
+        plans.append(_plan_mission(mission, values, mission_source(mission, values, as_stored=_as_written(mission))))
         names.append(Path(file).stem)
         heights = heights or requested_heights(mission, values)
     joined = join_plans(plans, names, heights)
@@ -416,16 +417,11 @@ class Bar:
 
 def run_capture(arguments: argparse.Namespace) -> int:
     """Capture a mission into a folder."""
-    return capture_mission(*mission_settings(arguments), arguments, lambda mission, _: mission)
+    return capture_mission(*mission_settings(arguments), arguments)
 
 
-def capture_mission(
-    mission: Mission,
-    values: dict[str, Any],
-    arguments: argparse.Namespace,
-    change: Callable[[Mission, PixelGrid], Mission],
-) -> int:
-    """Capture what ``change`` makes of a mission, once its rows and airspeed are chosen, and print the result."""
+def capture_mission(mission: Mission, values: dict[str, Any], arguments: argparse.Namespace) -> int:
+    """Capture a mission into a folder, and print the result."""
     if not values["data_dir"]:
         # Probably an unset variable of the shell, which must not mean the current folder.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
@@ -436,11 +432,10 @@ def capture_mission(
         sources: dict[str, Source | NamedSource] = {}
         for name, one in each.items():
             if in_blocks:
-                sources[name] = _named_source(one, values, open_cache(values), as_stored=_as_written(one))
+                sources[name] = mission_source(one, values, open_cache(values), as_stored=_as_written(one))
             else:
                 sources[name] = opened.enter_context(open_mission_source(one, values, as_stored=_as_written(one)))
-        grid = next(iter(sources.values())).grid
-        mission = change(_fit_flight(mission, arguments, values, grid), grid)
+        mission = fit_flight(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.missions_by_imagery or {"": mission}
         with cancellable(lambda: bool(signals)):
             engine = _engine(arguments, opened)
@@ -667,7 +662,7 @@ def run_report(arguments: argparse.Namespace) -> int:
     mission, values = mission_settings(arguments)
     # Errors are measured on 8-bit images, as displayed.
     with open_mission_source(mission, values, as_stored=False) as source:
-        mission = _fit_flight(mission, arguments, values, source.grid)
+        mission = fit_flight(mission, arguments, values, source.grid)
         planned = _plan_mission(mission, values, source)
         # A report measures only a few images, which take at most 200 requests.
         _check_terms(planned, source, 200, arguments.accept_terms)

@@ -8,12 +8,11 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..dataset.folder import MISSION_FILE
 from ..errors import InvalidInput
 from ..fields import declared_fields
 from ..storage.stores import is_address
 from ..text.plain import printable
-from .flying import capture_mission, mission_settings, requested_heights
+from .flying import capture_mission, fit_flight, mission_settings, mission_source, requested_heights
 from .posing import sensor_errors
 
 if TYPE_CHECKING:
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from ..mission.plan import Plan
     from ..mission.relief.ground import Heights
     from ..poses.track import Track
-    from ..sequences.flying import Sequence
     from ..sequences.settings import SequenceSettings
     from ..sequences.trajectory import Rig, Trajectory
 
@@ -55,32 +53,26 @@ def run_fly(arguments: argparse.Namespace) -> int:
     mission, values = mission_settings(arguments)
     if track is not None:
         mission = mission.replace(area=_area(track), wind=None)
-    made: list[tuple[Sequence, Plan]] = []
-
-    def change(asked: Mission, grid: PixelGrid) -> Mission:
-        one = asked.of_first_imagery
-        heights = requested_heights(one, values)
-        if track is None:
-            flown = plan(one, grid, heights)
-            trajectory, note = _planned(flown, settings, rig)
-        else:
-            trajectory, note = _followed(track, arguments, one, grid, heights, settings, rig), ""
-        # The tilt of a mission is that of its poses, and that of a track how the camera sits on the aircraft.
-        mount = rig if track is None else replace(rig, tilt_deg=one.attitude.tilt_deg)
-        sequence = Sequence(trajectory, mount, settings, *errors, sensors)
-        frames = sequence.frames_mission(asked)
-        planned = plan(frames.of_first_imagery, grid, heights)
-        made.append((sequence, planned))
-        print(printable(f"{sequence.text(len(planned))}{note}"), file=sys.stderr)
-        return frames
-
     if is_address(values["data_dir"] or ""):
         raise InvalidInput("data folder {0}: must be one of this machine for a sequence", values["data_dir"])
-    code = capture_mission(mission, values, arguments, change)
-    folder = Path(values["data_dir"])
-    if made and (folder / MISSION_FILE).is_file():
-        sequence, planned = made[0]
-        sequence.write_tables(folder, planned, _flight(arguments, mission))
+    grid = mission_source(mission.of_first_imagery, values).grid
+    mission = fit_flight(mission, arguments, values, grid)
+    # Frames have neither rows to align nor an airspeed to choose.
+    arguments.align, values["airspeed"] = None, mission.flight.airspeed_m_per_s
+    one = mission.of_first_imagery
+    heights = requested_heights(one, values)
+    if track is None:
+        trajectory, note = _planned(plan(one, grid, heights), settings, rig)
+    else:
+        trajectory, note = _followed(track, arguments, one, grid, heights, settings, rig), ""
+        # The tilt of a mission is that of its poses, and that of a track how the camera sits on the aircraft.
+        rig = replace(rig, tilt_deg=one.attitude.tilt_deg)
+    sequence = Sequence(trajectory, rig, settings, *errors, sensors)
+    frames = sequence.frames_mission(mission)
+    planned = plan(frames.of_first_imagery, grid, heights)
+    print(printable(f"{sequence.text(len(planned))}{note}"), file=sys.stderr)
+    code = capture_mission(frames, values, arguments)
+    sequence.write_tables(values["data_dir"], planned, _flight(arguments, mission))
     return code
 
 
@@ -103,14 +95,17 @@ def _track(arguments: argparse.Namespace) -> Track | None:
 
 
 def _area(track: Track) -> Points:
-    """Points along a track, at any height."""
+    """Points along a track, at any height, with its times if these are dates."""
     import numpy as np
 
     from ..mission.areas.area import Points
+    from ..mission.clock import is_dated
 
-    some = np.unique(np.linspace(0, len(track) - 1, _POSITIONS).astype(np.intp))
+    some = track.take(np.unique(np.linspace(0, len(track) - 1, _POSITIONS).astype(np.intp)))
+    has_dates = some.time_s is not None and bool(is_dated(some.time_s).all())
     return Points(
-        tuple((lat, lon, 100.0) for lat, lon in zip(track.lat_deg[some].tolist(), track.lon_deg[some].tolist()))
+        tuple((lat, lon, 100.0) for lat, lon in zip(some.lat_deg.tolist(), some.lon_deg.tolist())),
+        times_s=tuple(np.asarray(some.time_s).tolist()) if has_dates else (),
     )
 
 

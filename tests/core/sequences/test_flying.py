@@ -116,7 +116,7 @@ def test_poses_with_times_are_gone_through(run, tmp_path):
         f"{46.2 + 1e-4 * s:.9f},{-122.2 + 2e-5 * s * s:.9f},{200 + 3 * s},{5 * s},{10 + s},{-s},{1.7e9 + s}" for s in t
     ]
     (tmp_path / "poses.csv").write_text("lat_deg,lon_deg,agl_m,yaw_deg,tilt_deg,roll_deg,time\n" + "\n".join(rows))
-    done = run("fly", "--coords", "poses.csv", "--rate", "2", "--ground-height", "30", *SMALL)
+    done = run("fly", "--coords", "poses.csv", "--rate", "2", "--ground-height", "30", "--sun", "time", *SMALL)
     assert done.returncode == 0, done.stderr
     found = read_dataset(tmp_path / "out").image_sets["satellite"].table
     assert len(found.yaw_deg) == 23
