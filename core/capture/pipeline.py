@@ -23,6 +23,7 @@ from ..errors import Cancelled, PartError, TerrAInavError
 from ..external.unexpected import UnexpectedErrors
 from ..geodesy.frames import Windows
 from ..imagery.source import Part, Window
+from ..waiting import cancellable
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -106,7 +107,7 @@ class _RequestedPart(Generic[Job]):
 
 
 class _Gate:
-    """Gate for work handed to threads: work begins only while the gate is open, and never after `end`."""
+    """Gate for work handed to threads: work begins only while the gate is open, and is cancelled by `end`."""
 
     def __init__(self) -> None:
         self._open = threading.Event()
@@ -120,16 +121,17 @@ class _Gate:
             self._open.set()
 
     def end(self) -> None:
-        """Cancel waiting and later work."""
+        """Cancel waiting and later work, and work under way where it can be."""
         self._over = True
         self._open.set()
 
     def pass_through(self, work: Callable[..., Outcome], *arguments: object) -> Outcome:
-        """Do the work once the gate is open; raises Cancelled after `end`."""
+        """Do the work once the gate is open; raises Cancelled after `end`, also from within work that can stop."""
         self._open.wait()
         if self._over:
             raise Cancelled("not begun: the run was stopped")
-        return work(*arguments)
+        with cancellable(lambda: self._over):
+            return work(*arguments)
 
 
 class Pipeline(Generic[Job, Result]):
@@ -206,8 +208,9 @@ class Pipeline(Generic[Job, Result]):
         """Make the images of ``jobs``, each with its parts or a function that finds them; to be called only once.
 
         ``go_on`` is called many times a second. Once it returns False, or an error stops the run, waiting images are
-        dropped, images being made are finished and reported, and requests under way are left to end. ``paused``
-        is called as often; while it returns True, no part is requested and no image begun.
+        dropped, images being made are finished and reported unless they check whether they are cancelled, and requests
+        under way are left to end. ``paused`` is called as often; while it returns True, no part is requested and no
+        image begun.
 
         Returns
         -------

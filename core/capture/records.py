@@ -30,6 +30,7 @@ from ..picture.optics import CameraSettings, Exposure, Exposures, plan_optics
 from ..picture.scene import RawValues
 from ..picture.shot import MapShot, Picture, Shot, draw, make_shot
 from ..storage.files import write_whole
+from ..waiting import cancellable
 from .georeference import ControlPoints, Georeference
 from .journal import FAILED, Outcome
 from .metadata import Description, degrees, figure
@@ -101,17 +102,21 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         Parts of the image are missing; nothing is written.
     OutputError
         The image cannot be written.
+    Cancelled
+        The enclosing `waiting.cancellable` is cancelled while the picture is drawn; nothing is written.
     """
     is_blurred = isinstance(job.shot, Shot) and len(job.shot.instants) > 1
     drawn = _draw(job, parts, pixels)
     # All before any is written, as parts may be missing.
     of_twins = [drawn if twin.is_clean and not is_blurred else _draw(twin, parts, pixels) for twin in job.twins]
-    made = _make(job, drawn)
-    twins = (
-        made.clean(*_write_clean(twin, seen.pixels)) if twin.is_clean else _make(twin, seen)
-        for twin, seen in zip(job.twins, of_twins)
-    )
-    return replace(made, twins=tuple(twins))
+    # What is drawn is written whole, even if the run is stopped meanwhile.
+    with cancellable(None):
+        made = _make(job, drawn)
+        twins = tuple(
+            made.clean(*_write_clean(twin, seen.pixels)) if twin.is_clean else _make(twin, seen)
+            for twin, seen in zip(job.twins, of_twins)
+        )
+    return replace(made, twins=twins)
 
 
 def _draw(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]) -> Picture:

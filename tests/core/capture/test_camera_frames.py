@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 import json
+import threading
 
 import numpy as np
 import pytest
 from PIL import Image
+from terrainav.core.capture import records
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
-from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.camera_frame import parts_of_tiles
+from terrainav.core.picture.shot import Shot, Take
+from terrainav.core.waiting import cancellable, check_cancelled
 from terrainav.core.world import WorldSource
 
 from tests.core.geodesy.reference import look, see
 from tests.support.photos import SIXTH_DIGIT
 from tests.support.thinning import sampled
+from tests.support.waiting import wait_until
 
 gdal = pytest.importorskip("osgeo.gdal")
 
@@ -112,6 +119,64 @@ def test_a_run_that_was_stopped_is_resumed_to_the_same_bytes(tmp_path):
     whole = {path.name: path.read_bytes() for path in (tmp_path / "whole" / "satellite").iterdir()}
     parts = {path.name: path.read_bytes() for path in (tmp_path / "parts" / "satellite").iterdir()}
     assert whole == parts
+
+
+def test_a_run_is_stopped_between_the_takes_of_a_picture_and_resumed_to_the_same_bytes(tmp_path, monkeypatch):
+    slow = {"tilt_deg": 30.0, "motion_blur": True, "exposure_ms": 20.0, "row_time_us": 200.0, "airspeed_m_per_s": 10.0}
+    worked_out, _ = captured(tmp_path / "whole", **slow)
+    takes = sum(map(len, Shot(worked_out, 0).instants))
+    drawn, stop, draw = [], threading.Event(), Take.draw
+
+    def is_cancelled():
+        try:
+            check_cancelled()
+        except Cancelled:
+            return True
+        return False
+
+    def draw_some(take, *arguments):
+        if len(drawn) == takes // 2:
+            stop.set()
+            wait_until(is_cancelled)
+        picture = draw(take, *arguments)
+        drawn.append(take)
+        return picture
+
+    monkeypatch.setattr(Take, "draw", draw_some)
+    listener = Listener(cancelled=stop.is_set)
+    part = capture(worked_out, SOURCE, tmp_path / "parts", workers=1, listener=listener)
+    assert (part.cancelled, part.written, part.failed) == (True, 0, ())
+    assert len(drawn) == takes // 2
+    assert not list((tmp_path / "parts" / "satellite").glob("*.tif*"))
+    monkeypatch.undo()
+    assert capture(worked_out, SOURCE, tmp_path / "parts", resume=True).written == len(worked_out)
+    whole, parts = (
+        {path.name: path.read_bytes() for path in (tmp_path / name / "satellite").iterdir()}
+        for name in ("whole", "parts")
+    )
+    assert whole == parts
+
+
+def test_a_picture_that_is_drawn_when_the_run_is_stopped_is_written(tmp_path, monkeypatch):
+    develop = records.develop_picture
+
+    def cancelled_meanwhile(*arguments):
+        check_cancelled()
+        return develop(*arguments)
+
+    monkeypatch.setattr(records, "develop_picture", cancelled_meanwhile)
+    worked_out = plan(Mission(SMALL, 120.0, max_px=160, tilt_deg=30.0), SOURCE.grid)
+    shot = Shot(worked_out, 0)
+    parts = parts_of_tiles(SOURCE.grid, shot.tiles)
+    (tmp_path / "satellite").mkdir()
+    job = records.image_job(worked_out, 0, SOURCE, "satellite", tmp_path / "satellite")
+    pixels = {part.window: SOURCE.fetch("satellite", part.window) for part in parts}
+    calls = iter([False])
+    with cancellable(lambda: next(calls, True)):
+        made = records.make_picture(job, parts, pixels)
+        with pytest.raises(Cancelled):
+            check_cancelled()
+    assert (tmp_path / "satellite" / f"{made.name}.tif").exists()
 
 
 def test_sizes_that_were_asked_for_have_the_channels_that_were_asked_for(tmp_path):
