@@ -15494,8 +15494,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>
-        <source>how light falls off from the middle of the image: none; cos4, by the fourth power of the cosine of the angle to the optical axis; or up to three coefficients a b c of 1 + a r² + b r⁴ + c r⁶, where r is the distance from the principal point, 1 at half the image's diagonal</source>
-        <translation>cómo disminuye la luz desde el centro de la imagen: none, nada; cos4, según la cuarta potencia del coseno del ángulo con el eje óptico; o hasta tres coeficientes a b c de 1 + a r² + b r⁴ + c r⁶, donde r es la distancia al punto principal, 1 a media diagonal de la imagen</translation>
+        <source>how light falls off from the middle of the image: none; cos4, by the fourth power of the cosine of the angle to the optical axis; or up to three coefficients a b c of 1 + a r² + b r⁴ + c r⁶, from 0 to 2, where r is the distance from the principal point, 1 at half the image's diagonal</source>
+        <translation>cómo disminuye la luz desde el centro de la imagen: none, nada; cos4, según la cuarta potencia del coseno del ángulo con el eje óptico; o hasta tres coeficientes a b c de 1 + a r² + b r⁴ + c r⁶, de 0 a 2, donde r es la distancia al punto principal, 1 a media diagonal de la imagen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>
@@ -15526,6 +15526,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/parts/optics.py"/>
         <source>vignetting {0!r}: must be none, cos4, or one to three coefficients of r², r⁴ and r⁶</source>
         <translation>viñeteo {0!r}: debe ser none, cos4 o de uno a tres coeficientes de r², r⁴ y r⁶</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts/optics.py"/>
+        <source>vignetting {0!r}: must leave at most {1:g} times the light of the middle; leaves {2:.3g} at r = {3:.2g}</source>
+        <translation>viñeteo {0!r}: debe dejar como máximo {1:g} veces la luz del centro; en r = {3:.2g} deja {2:.3g}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>

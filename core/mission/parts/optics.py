@@ -16,6 +16,8 @@ from ...numbers import NUMBER, real_number
 ZOOM, AREA = "zoom", "area"
 #: No vignetting, and that of the cosine's fourth power.
 NO_VIGNETTING, COS4 = "none", "cos4"
+#: Most light, of that in the middle, that vignetting may leave: polynomials fitted to lenses pass 1 by little.
+MOST_SHARE = 2.0
 #: A keyword, or up to three coefficients.
 _VIGNETTING = f"{NO_VIGNETTING}|{COS4}|{NUMBER}( {NUMBER}){{0,2}}"
 
@@ -39,6 +41,16 @@ def _check_vignetting(text: str) -> None:
             text,
             least,
             steps[shares.index(least)],
+            field="vignetting",
+        )
+    most = max(shares)
+    if most > MOST_SHARE:
+        raise InvalidInput(
+            "vignetting {0!r}: must leave at most {1:g} times the light of the middle; leaves {2:.3g} at r = {3:.2g}",
+            text,
+            MOST_SHARE,
+            most,
+            steps[shares.index(most)],
             field="vignetting",
         )
 
@@ -78,8 +90,8 @@ class CameraOptics(CheckedFields):
         NO_VIGNETTING,
         title="vignetting",
         help="how light falls off from the middle of the image: none; cos4, by the fourth power of the cosine of the "
-        "angle to the optical axis; or up to three coefficients a b c of 1 + a r² + b r⁴ + c r⁶, where r is the "
-        "distance from the principal point, 1 at half the image's diagonal",
+        "angle to the optical axis; or up to three coefficients a b c of 1 + a r² + b r⁴ + c r⁶, from 0 to 2, where r "
+        "is the distance from the principal point, 1 at half the image's diagonal",
         check=_check_vignetting,
         schema={"pattern": f"^({_VIGNETTING})$"},
         advanced=True,
