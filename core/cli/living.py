@@ -6,8 +6,10 @@ import argparse
 import asyncio
 import signal
 import sys
+from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack, closing, suppress
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput, Message
@@ -30,7 +32,7 @@ def run_live(arguments: argparse.Namespace) -> int:
         raise InvalidInput(
             "host {0}: other machines could ask for frames", arguments.host, remedy="give a token (--token)"
         )
-    if all(getattr(arguments, name) is None for name in _INTERFACES):
+    if all(getattr(arguments, name) is None for name in _INTERFACES if name != "fdm"):
         arguments.http = HTTP_PORT
     mission, values = mission_settings(arguments)
     mission = mission.of_first_imagery
@@ -95,5 +97,32 @@ async def _open_airsim(opened: AsyncExitStack, server: FrameServer, arguments: a
     return f"{arguments.host}:{port}"
 
 
-#: Interfaces by the name of the option of their port.
-_INTERFACES = {"http": _open_http, "airsim": _open_airsim}
+async def _open_fdm(opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, port: int) -> str:
+    """Follow a flight simulator."""
+    if arguments.host not in LOOPBACK:
+        raise InvalidInput("FDM interface at {0}: has no tokens, so it serves this machine alone", arguments.host)
+    from ..live.flightgear import serve
+
+    await opened.enter_async_context(serve(server, arguments.host, port, arguments.sea_level))
+    return f"{arguments.host}:{port}"
+
+
+async def _open_mavlink(
+    opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, address: str
+) -> str:
+    """Be the camera of a vehicle."""
+    if arguments.photos is None:
+        raise InvalidInput("MAVLink camera: has no folder for its photographs", remedy="give one (--photos)")
+    serve = _serving("mavlink", "pymavlink")
+    folder = Path(arguments.photos)
+    await opened.enter_async_context(serve(server, address, folder, sea_level_m=arguments.sea_level))
+    return address
+
+
+#: Interfaces by the name of the option of their port or address.
+_INTERFACES: dict[str, Callable[..., Awaitable[str]]] = {
+    "http": _open_http,
+    "airsim": _open_airsim,
+    "mavlink": _open_mavlink,
+    "fdm": _open_fdm,
+}

@@ -13,7 +13,7 @@ from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPL
 from ..capture.choices import FOLDERS, IMAGES, LAYOUTS
 from ..dataset.folder import PARTS
 from ..geodesy.lens import LENSES
-from ..live.choices import AIRSIM_PORT, HTTP_PORT
+from ..live.choices import AIRSIM_PORT, FDM_PORT, HTTP_PORT, MAVLINK_ADDRESS
 from ..mission.options import OPTIONS, share
 from ..mission.parts import ALIGNMENTS
 from ..numbers import integer, real_number
@@ -177,10 +177,27 @@ def _add_live(serving: argparse.ArgumentParser) -> None:
     for name, usual, text in (
         ("http", HTTP_PORT, "HTTP, with a page that shows the camera (the default interface)"),
         ("airsim", AIRSIM_PORT, "AirSim's clients"),
+        ("fdm", FDM_PORT, "simulators that send FlightGear's FDM, whose aircraft the page can follow"),
     ):
         serving.add_argument(
             f"--{name}", type=int, metavar="PORT", nargs="?", const=usual, help=f"serve {text}; port {usual} if none"
         )
+    serving.add_argument(
+        "--mavlink",
+        metavar="ADDRESS",
+        nargs="?",
+        const=MAVLINK_ADDRESS,
+        help="be the camera of a vehicle: udp:HOST:PORT, where it calls, or udpout:HOST:PORT or tcp:HOST:PORT, where "
+        f"it is called; {MAVLINK_ADDRESS} if none",
+    )
+    serving.add_argument("--photos", metavar="DIR", help="folder for the photographs of the MAVLink camera")
+    serving.add_argument(
+        "--sea-level",
+        metavar="M",
+        type=float,
+        default=0.0,
+        help="height of sea level above the ellipsoid, which vehicles and simulators count from (0)",
+    )
     serving.add_argument("--token", metavar="TEXT", default="", help="what clients must give; needed for other hosts")
     serving.add_argument("--workers", type=int, metavar="N", default=1, help="frames made at once (1)")
 

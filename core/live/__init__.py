@@ -5,6 +5,12 @@
 - `camera`: pose and time in; picture, products and camera contract out
 - `encoding`: frames as files
 - `serving`: frames for many clients at once
+- `following`: poses of a vehicle that arrive late and with gaps, and its pose at an exposure's time
 - `http`: HTTP, WebSocket and a page
 - `airsim`: AirSim's clients
+- `flightgear`: poses from flight simulators
+- `links`: MAVLink's links on this machine
+- `telemetry`: poses of a vehicle from its MAVLink messages
+- `gimbal`: the gimbal of a MAVLink camera
+- `mavlink`: a MAVLink camera
 """

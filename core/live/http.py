@@ -36,28 +36,40 @@ _FIELDS = {
     "roll": "roll_deg",
     "time": "time_s",
 }
-_OTHERS = ("image", "format", "deadline_ms", "id", "token")
+_OTHERS = ("image", "format", "deadline_ms", "follow", "id", "token")
+#: Values of a parameter that is on.
+_YES = ("1", 1, True)
 _Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 class FrameQuery:
-    """A frame and its form, as a client asks for them."""
+    """A frame and its form, as a client asks for them.
 
-    def __init__(self, values: Mapping[str, Any]) -> None:
+    Parameters
+    ----------
+    followed : callable
+        Request for the frame of a followed vehicle.
+    """
+
+    def __init__(self, values: Mapping[str, Any], followed: Callable[[], FrameRequest]) -> None:
         unknown = [name for name in values if name not in _FIELDS and name not in _OTHERS]
         if unknown:
-            raise InvalidInput("parameter {0!r}: must be one of {1}", unknown[0], ", ".join((*_FIELDS, *_OTHERS[:3])))
-        for name in ("lat", "lon"):
-            if name not in values:
-                raise InvalidInput("parameter {0}: is missing", name)
-        if ("agl" in values) == ("height" in values):
-            raise InvalidInput("parameters agl and height: must be one of the two, above ground or the ellipsoid")
-        numbers = {field: _number(name, values[name]) for name, field in _FIELDS.items() if name in values}
+            raise InvalidInput("parameter {0!r}: must be one of {1}", unknown[0], ", ".join((*_FIELDS, *_OTHERS[:4])))
         self.image, self.format = str(values.get("image", PICTURE)), str(values.get("format", "jpg"))
-        products = () if self.image == PICTURE else (self.image,)
-        self.request = FrameRequest(**numbers, products=products, above_ellipsoid="height" in values)
+        asked = followed() if values.get("follow") in _YES else _asked_pose(values)
+        self.request = asked._replace(products=() if self.image == PICTURE else (self.image,))
         deadline = values.get("deadline_ms")
         self.wait_s = None if deadline is None else _number("deadline_ms", deadline) / 1000.0
+
+
+def _asked_pose(values: Mapping[str, Any]) -> FrameRequest:
+    for name in ("lat", "lon"):
+        if name not in values:
+            raise InvalidInput("parameter {0}: is missing", name)
+    if ("agl" in values) == ("height" in values):
+        raise InvalidInput("parameters agl and height: must be one of the two, above ground or the ellipsoid")
+    numbers = {field: _number(name, values[name]) for name, field in _FIELDS.items() if name in values}
+    return FrameRequest(**numbers, products=(), above_ellipsoid="height" in values)
 
 
 def _number(name: str, value: Any) -> float:
@@ -105,7 +117,7 @@ def application(server: FrameServer, token: str = "") -> web.Application:
         return web.json_response(await server.run(lambda: _about(server)))
 
     async def frame(request: web.Request) -> web.Response:
-        asked = FrameQuery(request.query)
+        asked = FrameQuery(request.query, server.followed)
         made, data = await server.run(partial(_made, server, asked))
         if asked.format == "json":
             return web.json_response(made.to_json())
@@ -138,7 +150,7 @@ async def _answer_poses(server: FrameServer, socket: web.WebSocketResponse) -> N
                 if not isinstance(values, dict):
                     raise InvalidInput("message: must be a JSON object with lat, lon and agl")
                 asked_id = values.get("id")
-                asked = FrameQuery(values)
+                asked = FrameQuery(values, server.followed)
                 made, data = await server.run(partial(_made, server, asked))
             except TerrAInavError as wrong:
                 await socket.send_json({"id": asked_id, "error": str(wrong)})
@@ -181,6 +193,7 @@ def _about(server: FrameServer) -> dict[str, Any]:
             "tilt_deg": camera.mission.attitude.tilt_deg,
         },
         "products": list(camera.offered),
+        "follows": server.follows,
         "source": camera.source.title,
         "attribution": camera.source.attribution,
     }

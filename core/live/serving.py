@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from typing import TypeVar
 
-from ..errors import TerrAInavError
+from ..errors import InvalidInput, TerrAInavError
 from .camera import FrameRequest, LiveCamera, LiveFrame
 
 Made = TypeVar("Made")
@@ -20,6 +21,12 @@ class BusyError(TerrAInavError):
     """More requests wait than the server accepts."""
 
 
+def _follow_nothing() -> FrameRequest:
+    raise InvalidInput(
+        "follow: no vehicle sends its poses here", remedy="give where it sends them (--fdm or --mavlink)"
+    )
+
+
 class FrameServer:
     """A camera that many clients share; used from one event loop.
 
@@ -29,11 +36,17 @@ class FrameServer:
         Frames made at once.
     most_waiting : int
         Requests that may wait; others are refused at once.
+
+    Attributes
+    ----------
+    followed : callable
+        Request for the frame of a vehicle's last pose; raises InvalidInput without one.
     """
 
     def __init__(self, camera: LiveCamera, workers: int = 1, most_waiting: int = WAITING) -> None:
         self.camera = camera
         self._most_waiting, self._workers, self._under_way = most_waiting, workers, 0
+        self.followed: Callable[[], FrameRequest] = _follow_nothing
         self._pool = ThreadPoolExecutor(workers, "terrainav-frames")
 
     async def frame(self, request: FrameRequest, wait_s: float | None = None) -> LiveFrame:
@@ -61,6 +74,20 @@ class FrameServer:
             return await asyncio.wrap_future(self._pool.submit(make))
         finally:
             self._under_way -= 1
+
+    @property
+    def follows(self) -> bool:
+        """Whether there is a vehicle to follow."""
+        return self.followed is not _follow_nothing
+
+    @contextmanager
+    def following(self, followed: Callable[[], FrameRequest]) -> Iterator[None]:
+        """Follow a vehicle until the end of the block."""
+        self.followed, before = followed, self.followed
+        try:
+            yield
+        finally:
+            self.followed = before
 
     def close(self) -> None:
         """Stop the workers; waiting requests are cancelled."""

@@ -16,7 +16,7 @@ from ...external.importing import imported
 from ...text.safe_json import parse_json
 
 #: Addresses of vehicles: a server of the vehicle's, or a port at which vehicles call, or are called, by datagrams.
-_ADDRESS = re.compile(r"(tcp|udp|udpin|udpout):[\w.\-]{1,253}:[0-9]{1,5}")
+ADDRESS = re.compile(r"(tcp|udp|udpin|udpout):[\w.\-]{1,253}:[0-9]{1,5}")
 #: Seconds until a message is sent again, and how often, as the protocol recommends.
 RETRY_S, RETRIES = 1.5, 5
 #: Seconds to wait for the first heartbeat; vehicles send one a second.
@@ -45,7 +45,7 @@ def upload(text: str, address: str, *, heartbeat_s: float = HEARTBEAT_S, retry_s
     OutputError
         pymavlink is missing, or the vehicle is not there, does not answer, or refuses the mission.
     """
-    if not _ADDRESS.fullmatch(address):
+    if not ADDRESS.fullmatch(address):
         raise InvalidInput("vehicle {0!r}: must be tcp:HOST:PORT, udp:HOST:PORT or udpout:HOST:PORT", address)
     try:
         mavutil = imported("pymavlink.mavutil")

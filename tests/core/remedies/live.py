@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import sys
 from contextlib import closing
@@ -9,9 +10,11 @@ from contextlib import closing
 import pytest
 from terrainav.core.cli.living import _serving
 from terrainav.core.live.encoding import encode
+from terrainav.core.live.flightgear import serve
 from terrainav.core.live.serving import BusyError, FrameServer
 
 from tests.core.live.scenes import live_camera, random_requests
+from tests.core.live.serving import free_port
 from tests.core.remedies.files import extra_brings
 from tests.support.remedies import Case, remedy
 
@@ -60,8 +63,6 @@ def _format_for_measures(case: Case) -> None:
 
 @remedy("live/serving.py", "busy: {} requests wait; ask again later")
 def _busy(case: Case) -> None:
-    import asyncio
-
     async def overload(server: FrameServer, count: int) -> None:
         answers = await asyncio.gather(*(server.run(lambda: None) for _ in range(count)), return_exceptions=True)
         for answer in answers:
@@ -72,3 +73,24 @@ def _busy(case: Case) -> None:
     case.refused(lambda: asyncio.run(overload(server, 9)))
     case.follow("ask again later", lambda: asyncio.run(overload(server, 1)))
     server.close()
+
+
+@remedy("live/serving.py", "follow: no vehicle sends its poses here; give where it sends them (--fdm or --mavlink)")
+def _nothing_to_follow(case: Case) -> None:
+    server = FrameServer(live_camera())
+    case.refused(server.followed)
+
+    async def followed() -> bool:
+        async with serve(server, "127.0.0.1", free_port()):
+            return server.follows
+
+    case.follow("give where it sends them (--fdm or --mavlink)", lambda: asyncio.run(followed()))
+    server.close()
+
+
+@remedy("cli/living.py", "MAVLink camera: has no folder for its photographs; give one (--photos)")
+def _no_folder(case: Case) -> None:
+    case.says(case.run("live", *PLACE, "--mavlink").stderr)
+    # What is refused then is the address.
+    ran = case.run("live", *PLACE, "--photos", str(case.tmp_path / "photos"), "--mavlink", "udp:192.0.2.1:9")
+    case.follow("give one (--photos)", lambda: "this machine" in ran.stderr)
