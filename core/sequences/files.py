@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,8 @@ from ..text.safe_json import decoded, parse_json
 SEQUENCE_FILE, CAMERA_FILE = "sequence.json", "camera.json"
 #: Version of the sequence's file.
 SCHEMA = 1
+#: Rows written at a time.
+_ROWS = 1 << 15
 _AXES = ("x", "y", "z")
 #: Columns of each table after the first, ``time_ns``.
 TABLES: Mapping[str, tuple[str, ...]] = {
@@ -36,12 +38,20 @@ TABLES: Mapping[str, tuple[str, ...]] = {
 INERTIAL_FILE, TRAJECTORY_FILE, GNSS_FILE, BAROMETER_FILE, MAGNETOMETER_FILE = TABLES
 
 
-def write_table(folder: Path, name: str, stamps_ns: Numbers, columns: tuple[Floats, ...], digits: int) -> None:
-    """Write one of `TABLES`: times (n,), and columns (n,) or (n, k) rounded to decimals; empty cells for NaN."""
-    values = np.round(np.concatenate([column.reshape(len(stamps_ns), -1) for column in columns], axis=1), digits)
-    cells = ([value if value == value else None for value in row] for row in (values + 0.0).tolist())
-    rows = ([stamp, *row] for stamp, row in zip(stamps_ns.tolist(), cells))
-    write_whole(folder / name, csv_bytes([("time_ns", *TABLES[name]), *rows]))
+def write_table(folder: Path, name: str, stamps_ns: Numbers, *columns: tuple[Floats, int]) -> None:
+    """Write one of `TABLES`: times (n,), and values (n,) or (n, k), each with its decimals; empty cells for NaN."""
+    values = np.concatenate(
+        [np.round(column, digits).reshape(len(stamps_ns), -1) + 0.0 for column, digits in columns], axis=1
+    )
+
+    def blocks() -> Iterator[bytes]:
+        yield csv_bytes([("time_ns", *TABLES[name])])
+        for start in range(0, len(stamps_ns), _ROWS):
+            some = slice(start, start + _ROWS)
+            cells = ([value if value == value else None for value in row] for row in values[some].tolist())
+            yield csv_bytes([stamp, *row] for stamp, row in zip(stamps_ns[some].tolist(), cells))
+
+    write_whole(folder / name, blocks())
 
 
 def read_table(folder: Path, name: str) -> tuple[Numbers, Floats]:

@@ -166,14 +166,15 @@ class Sequence:
             exact_inertial(motion), self.errors, settings.imu_rate_hz, settings.sensor_seed
         )
         stamps = self.stamps_ns(times_us)
-        write_table(root, INERTIAL_FILE, stamps, (*measured,), 12)
+        # Far below the noise of any unit.
+        write_table(root, INERTIAL_FILE, stamps, (measured.rate_rad_per_s, 12), (measured.force_m_per_s2, 9))
         lat, lon, height = geodetic(motion.place_m)
         axes = enu_axes(lat, lon)
         speed = np.einsum("nij,nj->ni", axes, motion.velocity_m_per_s)
         turned = quaternions_from_matrices(axes @ motion.rotation)
-        # 12 decimals of degrees are 0.1 µm.
-        columns = (lat, lon, height, speed, turned, *biases)
-        write_table(root, TRAJECTORY_FILE, stamps, columns, 12)
+        # 11 decimals of degrees are a micrometre.
+        columns = ((lat, 11), (lon, 11), (height, 6), (speed, 9), (turned, 12), *((bias, 12) for bias in biases))
+        write_table(root, TRAJECTORY_FILE, stamps, *columns)
         self._write_priors(root)
         write_whole(root / CAMERA_FILE, json_bytes(plan_contract(frames, 0).to_json()))
         write_whole(root / SEQUENCE_FILE, json_bytes(self.to_json(len(frames), flight)))
@@ -184,14 +185,15 @@ class Sequence:
         seeds = [int(one.generate_state(1)[0]) for one in np.random.SeedSequence(settings.sensor_seed).spawn(6)[3:]]
         times_us = self.times_us(settings.gnss_rate_hz)
         places = gnss_places(self.motion(times_us), times_us * 1e-6, sensors, seeds[0])
-        # Degrees are rounded to 0.1 mm.
-        write_table(root, GNSS_FILE, self.stamps_ns(times_us), places, PLACE_DIGITS)
+        # To 0.1 mm.
+        columns = zip(places, (PLACE_DIGITS, PLACE_DIGITS, 4))
+        write_table(root, GNSS_FILE, self.stamps_ns(times_us), *columns)
         times_us = self.times_us(settings.air_rate_hz)
         motion, stamps = self.motion(times_us), self.stamps_ns(times_us)
         pressures = pressures_pa(motion, times_us * 1e-6, sensors, seeds[1])
-        write_table(root, BAROMETER_FILE, stamps, (pressures,), 3)
+        write_table(root, BAROMETER_FILE, stamps, (pressures, 3))
         fields = magnetic_fields_nt(motion, times_us * 1e-6, self.trajectory.start_us, sensors, seeds[2])
-        write_table(root, MAGNETOMETER_FILE, stamps, (fields,), 3)
+        write_table(root, MAGNETOMETER_FILE, stamps, (fields, 3))
 
     def text(self, frames: int) -> str:
         """Figures in one line."""

@@ -161,7 +161,7 @@ class Trajectory:
                 time_s[at],
                 remedy="remove one of the two",
             )
-        quaternions = continuous(quaternions_from_matrices(rotations))
+        quaternions = _continuous(quaternions_from_matrices(rotations))
         _check_turns(quaternions)
         states = np.concatenate([places_m - places_m[0], quaternions], axis=1)
         if smooth_s:
@@ -190,7 +190,7 @@ class Trajectory:
         )
 
 
-def continuous(quaternions: Floats) -> Floats:
+def _continuous(quaternions: Floats) -> Floats:
     """Quaternions (n, 4) with the signs that bring each nearest to the one before it."""
     products = np.einsum("ni,ni->n", quaternions[1:], quaternions[:-1])
     signs = np.cumprod(np.append(1.0, np.where(products < 0.0, -1.0, 1.0)))
