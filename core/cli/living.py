@@ -37,7 +37,10 @@ def run_live(arguments: argparse.Namespace) -> int:
     mission, values = mission_settings(arguments)
     mission = mission.of_first_imagery
     with open_mission_source(mission, values, as_stored=False) as source:
-        camera = LiveCamera(mission, source, requested_heights(mission, values), connections=values["connections"])
+        heights = requested_heights(mission, values)
+        camera = LiveCamera(
+            mission, source, heights, connections=values["connections"], accept_terms=arguments.accept_terms
+        )
         camera.labels = open_labels(camera.plan(camera.start._replace(products=mission.products)))
         with closing(FrameServer(camera, arguments.workers)) as server:
             asyncio.run(_serve(server, arguments))

@@ -200,6 +200,7 @@ def _add_live(serving: argparse.ArgumentParser) -> None:
     )
     serving.add_argument("--token", metavar="TEXT", default="", help="what clients must give; needed for other hosts")
     serving.add_argument("--workers", type=int, metavar="N", default=1, help="frames made at once (1)")
+    add_consent(serving)
 
 
 def _add_blocks(command: argparse.ArgumentParser) -> None:

@@ -3,6 +3,8 @@
 - `choices`: what the command and the panel offer
 - `tiles`: tiles in memory, and what stands in for those that are late
 - `camera`: pose and time in; picture, products and camera contract out
+- `terms`: what providers' terms mean for live frames
+- `realtime`: frames by a deadline, which say what stands in
 - `encoding`: frames as files
 - `serving`: frames for many clients at once
 - `following`: poses of a vehicle that arrive late and with gaps, and its pose at an exposure's time

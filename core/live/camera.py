@@ -31,6 +31,7 @@ from ..picture.map_frame import resized
 from ..picture.optics import plan_contract
 from ..picture.products import BANDS, products
 from ..picture.shot import Shot, draw
+from .terms import check_live, may_prefetch
 from .tiles import ReadyTiles, TileMemory
 
 #: A band that tells stand-ins from other tiles.
@@ -86,7 +87,11 @@ class LiveFrame:
     facts : tuple
         What is stated of the effects of a real camera.
     coarse_share : float
-        Share of the pixels that are not at full resolution.
+        Share of the pixels that are not at full resolution; 1 if level ground stands in for heights.
+    failed_tiles : int
+        Tiles that the source lacks, or has with holes, and coarser ones stand in for.
+    level_m : float or None
+        Height of the level ground that is shown in place of relief whose heights are not there yet.
     sky_share : float
     made_s : float
         Seconds that the frame took.
@@ -100,6 +105,8 @@ class LiveFrame:
     job: PictureJob
     facts: Facts = ()
     coarse_share: float = 0.0
+    failed_tiles: int = 0
+    level_m: float | None = None
     sky_share: float = 0.0
     made_s: float = field(default=0.0, compare=False)
 
@@ -134,12 +141,27 @@ class LiveFrame:
             "camera": self.contract.intrinsics,
             "footprint": _footprint(self.plan),
             "method": "; ".join(str(one.method.name) for one in self.plan.accuracy.choices),
-            "error_bound_px": self.plan.accuracy.bound_px,
+            # How far the ground is from level is unknown where it stands in.
+            "error_bound_px": self.plan.accuracy.bound_px if self.level_m is None else None,
+            "level_ground_m": self.level_m,
             "coarse_share": self.coarse_share,
+            "failed_tiles": self.failed_tiles,
             "sky_share": self.sky_share,
             "facts": dict(self.facts),
             "made_s": self.made_s,
         }
+
+
+class Prepared(NamedTuple):
+    """A frame before it is drawn: its parts are known, and over relief its rays are traced."""
+
+    request: FrameRequest
+    plan: Plan
+    job: PictureJob
+    shot: Shot
+    parts: list[Part]
+    begun_s: float
+    level_m: float | None = None
 
 
 def _footprint(plan: Plan) -> list[list[float]]:
@@ -163,11 +185,17 @@ class LiveCamera:
         Heights of the mission's elevation, if it has one.
     labels : LabelMap or None
         Labels for the products classes and instances.
+    connections : int
+        Tiles fetched at once.
+    accept_terms : bool
+        Whether the user has agreed to the provider's terms.
 
     Raises
     ------
     InvalidInput
         The source lacks what the mission asks for.
+    SourceError
+        The provider's terms forbid live frames.
     """
 
     def __init__(
@@ -177,7 +205,10 @@ class LiveCamera:
         heights: Heights | None = None,
         labels: LabelMap | None = None,
         connections: int = CONNECTIONS,
+        *,
+        accept_terms: bool = False,
     ) -> None:
+        check_live(source)
         if mission.accuracy.frame == "map":
             raise InvalidInput(
                 "frame {0}: a live camera sees perspectives",
@@ -187,7 +218,9 @@ class LiveCamera:
             )
         self.mission = mission.replace(frame="camera", keep_clean=False, keep_undistorted=False)
         self.source, self.heights, self.labels = source, heights, labels
-        self.tiles = TileMemory(source, mission.imagery.map_types[0], connections)
+        self.tiles = TileMemory(source, mission.imagery.map_types[0], connections, accept_terms=accept_terms)
+        #: Whether tiles may be fetched before a frame needs them.
+        self.may_prefetch = may_prefetch(source.policy, accept_terms)
         west, south, east, north = mission.area.bounds.edges_deg
         #: Where a client may begin: in the middle of the mission's area, as its flight and attitude say.
         attitude = mission.attitude
@@ -208,21 +241,31 @@ class LiveCamera:
         """Products that frames may have."""
         return (*BANDS, *(LABELLED if self.labels is not None else ()))
 
-    def plan(self, request: FrameRequest) -> Plan:
+    def plan(self, request: FrameRequest, level_m: float | None = None) -> Plan:
         """Plan of the capture from a pose.
+
+        Parameters
+        ----------
+        level_m : float or None
+            Height of level ground in place of the mission's relief.
 
         Raises
         ------
         InvalidInput
             The pose is invalid, or sees nothing that can be drawn.
+        PartError, SourceError
+            Heights are not available.
         """
-        up_m, more = request.up_m, {}
+        mission, heights, up_m, more = self.mission, self.heights, request.up_m, {}
+        if level_m is not None:
+            mission = mission.replace(elevation=(), surface=(), buildings=(), ground_height_m=level_m)
+            heights = None
         if request.above_ellipsoid:
-            if self.heights is None:
-                up_m -= self.mission.flight.ground_height_m
+            if heights is None:
+                up_m -= mission.flight.ground_height_m
             else:
                 more = {"height_above": ELLIPSOID}
-        mission = self.mission.replace(
+        mission = mission.replace(
             area=Points(
                 ((request.lat_deg, request.lon_deg, up_m),),
                 yaws_deg=(request.yaw_deg,),
@@ -232,7 +275,7 @@ class LiveCamera:
             products=tuple(request.products),
             **more,
         )
-        return plan(mission, self.source.grid, self.heights)
+        return plan(mission, self.source.grid, heights)
 
     def take(self, request: FrameRequest, wait_s: float | None = None) -> LiveFrame:
         """Take a picture.
@@ -249,13 +292,23 @@ class LiveCamera:
         PartError, SourceError
             Imagery or heights are not available.
         """
+        prepared = self.prepare(request)
+        tiles, parts = self.tiles, prepared.parts
+        return self.draw(prepared, tiles.whole(parts) if wait_s is None else tiles.until(parts, wait_s))
+
+    def prepare(self, request: FrameRequest, level_m: float | None = None) -> Prepared:
+        """Plan a frame and find its tiles; parameters and errors are those of `plan`."""
         begun_s = time.perf_counter()
-        planned = self.plan(request)
+        planned = self.plan(request, level_m)
         job = image_job(planned, 0, self.source, self.tiles.map_type, Path(), labels=self.labels)
         shot = cast(Shot, job.shot)
         needs_range = job.development is not None and job.development.needs_range
         parts = parts_of_tiles(planned.grid, shot.trace(with_sighting=bool(request.products) or needs_range))
-        ready = self.tiles.whole(parts) if wait_s is None else self.tiles.until(parts, wait_s)
+        return Prepared(request, planned, job, shot, parts, begun_s, level_m)
+
+    def draw(self, prepared: Prepared, ready: ReadyTiles) -> LiveFrame:
+        """Draw a frame from its tiles."""
+        request, planned, job, shot, parts, begun_s, level_m = prepared
         drawn = draw(shot, parts, ready.pixels, masked=job.masked, bands=job.bands)
         picture, _, facts, description = develop_picture(job, drawn.pixels)
         picture = resized(picture, job.img_size, job.bands)
@@ -268,7 +321,9 @@ class LiveCamera:
             plan_contract(planned, 0),
             replace(job, description=description),
             facts,
-            self._coarse_share(shot, parts, ready),
+            self._coarse_share(shot, parts, ready) if level_m is None else 1.0,
+            len(ready.failed),
+            level_m,
             drawn.sky_share,
             time.perf_counter() - begun_s,
         )

@@ -6,6 +6,7 @@ import asyncio
 import hmac
 import json
 import math
+import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from functools import partial
@@ -21,6 +22,7 @@ from ..text.safe_json import parse_json
 from .camera import FrameRequest, LiveFrame
 from .choices import LOOPBACK
 from .encoding import MEDIA_TYPES, PICTURE, encode
+from .realtime import RecentPoses, TimedFrame
 from .serving import BusyError, FrameServer
 
 #: Most bytes of a message of poses.
@@ -49,9 +51,13 @@ class FrameQuery:
     ----------
     followed : callable
         Request for the frame of a followed vehicle.
+    arrived_s : float or None
+        Time of the monotonic clock when the query arrived; None for now.
     """
 
-    def __init__(self, values: Mapping[str, Any], followed: Callable[[], FrameRequest]) -> None:
+    def __init__(
+        self, values: Mapping[str, Any], followed: Callable[[], FrameRequest], arrived_s: float | None = None
+    ) -> None:
         unknown = [name for name in values if name not in _FIELDS and name not in _OTHERS]
         if unknown:
             raise InvalidInput("parameter {0!r}: must be one of {1}", unknown[0], ", ".join((*_FIELDS, *_OTHERS[:4])))
@@ -59,7 +65,12 @@ class FrameQuery:
         asked = followed() if values.get("follow") in _YES else _asked_pose(values)
         self.request = asked._replace(products=() if self.image == PICTURE else (self.image,))
         deadline = values.get("deadline_ms")
-        self.wait_s = None if deadline is None else _number("deadline_ms", deadline) / 1000.0
+        self.deadline_s = None if deadline is None else _number("deadline_ms", deadline) / 1000.0
+        self.arrived_s = time.monotonic() if arrived_s is None else arrived_s
+
+    def encode(self, frame: LiveFrame) -> bytes:
+        """Image file of a frame; none for JSON."""
+        return b"" if self.format == "json" else encode(frame, self.image, self.format)
 
 
 def _asked_pose(values: Mapping[str, Any]) -> FrameRequest:
@@ -118,11 +129,11 @@ def application(server: FrameServer, token: str = "") -> web.Application:
 
     async def frame(request: web.Request) -> web.Response:
         asked = FrameQuery(request.query, server.followed)
-        made, data = await server.run(partial(_made, server, asked))
+        made = await server.run(partial(_made, server, asked))
         if asked.format == "json":
             return web.json_response(made.to_json())
         headers = {"Terrainav-Frame": json.dumps(made.to_json()), "Cache-Control": "no-store"}
-        return web.Response(body=data, content_type=MEDIA_TYPES[asked.format], headers=headers)
+        return web.Response(body=made.data, content_type=MEDIA_TYPES[asked.format], headers=headers)
 
     async def poses(request: web.Request) -> web.WebSocketResponse:
         socket = web.WebSocketResponse(max_msg_size=_MESSAGE_BYTES, heartbeat=30.0)
@@ -139,25 +150,26 @@ def application(server: FrameServer, token: str = "") -> web.Application:
 
 async def _answer_poses(server: FrameServer, socket: web.WebSocketResponse) -> None:
     """Answer poses: each with JSON, then an image; of poses that arrive meanwhile, only the last is answered."""
-    newest: asyncio.Queue[str] = asyncio.Queue(1)
+    newest: asyncio.Queue[tuple[str, float]] = asyncio.Queue(1)
+    recent = RecentPoses()
 
     async def answer() -> None:
         while True:
-            text = await newest.get()
+            text, arrived_s = await newest.get()
             asked_id = None
             try:
                 values = parse_json(text)
                 if not isinstance(values, dict):
                     raise InvalidInput("message: must be a JSON object with lat, lon and agl")
                 asked_id = values.get("id")
-                asked = FrameQuery(values, server.followed)
-                made, data = await server.run(partial(_made, server, asked))
+                asked = FrameQuery(values, server.followed, arrived_s)
+                made = await server.run(partial(_made, server, asked, recent))
             except TerrAInavError as wrong:
                 await socket.send_json({"id": asked_id, "error": str(wrong)})
             else:
                 await socket.send_json({"id": asked_id, **made.to_json()})
-                if data:
-                    await socket.send_bytes(data)
+                if made.data:
+                    await socket.send_bytes(made.data)
 
     answering = asyncio.ensure_future(answer())
     try:
@@ -166,17 +178,14 @@ async def _answer_poses(server: FrameServer, socket: web.WebSocketResponse) -> N
                 continue
             if newest.full():
                 newest.get_nowait()
-            newest.put_nowait(message.data)
+            newest.put_nowait((message.data, time.monotonic()))
     finally:
         answering.cancel()
 
 
-def _made(server: FrameServer, asked: FrameQuery) -> tuple[LiveFrame, bytes]:
-    """LiveFrame and its image file; no file for JSON."""
-    frame = server.camera.take(asked.request, asked.wait_s)
-    if asked.format == "json":
-        return frame, b""
-    return frame, encode(frame, asked.image, asked.format)
+def _made(server: FrameServer, asked: FrameQuery, recent: RecentPoses | None = None) -> TimedFrame:
+    """Frame and its image file."""
+    return server.real_time.frame(asked.request, asked.encode, asked.deadline_s, asked.arrived_s, recent)
 
 
 def _about(server: FrameServer) -> dict[str, Any]:

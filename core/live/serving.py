@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from ..errors import InvalidInput, TerrAInavError
 from .camera import FrameRequest, LiveCamera, LiveFrame
+from .realtime import RealTime
 
 Made = TypeVar("Made")
 
@@ -44,7 +45,7 @@ class FrameServer:
     """
 
     def __init__(self, camera: LiveCamera, workers: int = 1, most_waiting: int = WAITING) -> None:
-        self.camera = camera
+        self.camera, self.real_time = camera, RealTime(camera)
         self._most_waiting, self._workers, self._under_way = most_waiting, workers, 0
         self.followed: Callable[[], FrameRequest] = _follow_nothing
         self._pool = ThreadPoolExecutor(workers, "terrainav-frames")
@@ -92,4 +93,5 @@ class FrameServer:
     def close(self) -> None:
         """Stop the workers; waiting requests are cancelled."""
         self._pool.shutdown(wait=False, cancel_futures=True)
+        self.real_time.close()
         self.camera.tiles.close()

@@ -11502,6 +11502,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
+        <location filename="../../core/live/terms.py"/>
         <source>take another source</source>
         <translation>tome otra fuente</translation>
     </message>
@@ -12519,6 +12520,26 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>imagen {0!r}: este fotograma tiene {1}</translation>
     </message>
     <message>
+        <location filename="../../core/live/following.py"/>
+        <source>pose at {0:.3f} s: none is known for {1:g} s</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/following.py"/>
+        <source>pose at {0:.3f} s: none is known that early</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/following.py"/>
+        <source>pose at {0:.3f} s: the last known one is of {1:.3f} s</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/following.py"/>
+        <source>vehicle: has sent no pose</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/live/http.py"/>
         <source>message: must be a JSON object with lat, lon and agl</source>
         <translation>mensaje: debe ser un objeto JSON con lat, lon y agl</translation>
@@ -12544,9 +12565,35 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>parámetros agl y height: debe ser uno de los dos, sobre el terreno o el elipsoide</translation>
     </message>
     <message>
+        <location filename="../../core/live/links.py"/>
+        <source>vehicle {0!r}: MAVLink has no tokens, so the camera serves this machine alone</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/links.py"/>
+        <location filename="../../core/mission/export/vehicle.py"/>
+        <source>vehicle {0!r}: must be tcp:HOST:PORT, udp:HOST:PORT or udpout:HOST:PORT</source>
+        <translation>vehículo {0!r}: debe ser tcp:HOST:PORT, udp:HOST:PORT o udpout:HOST:PORT</translation>
+    </message>
+    <message>
         <location filename="../../core/live/serving.py"/>
         <source>busy: {0} requests wait; ask again later</source>
         <translation>ocupado: {0} peticiones esperan; vuelva a pedirlo más tarde</translation>
+    </message>
+    <message>
+        <location filename="../../core/live/serving.py"/>
+        <source>follow: no vehicle sends its poses here</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/serving.py"/>
+        <source>give where it sends them (--fdm or --mavlink)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/live/terms.py"/>
+        <source>{0}: live frames keep tiles for the next ones, which the terms forbid: {1}{2}</source>
+        <translation>{0}: las imágenes en vivo guardan teselas para las siguientes, lo que prohíben las condiciones: {1}{2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/areas/area.py"/>
@@ -13560,11 +13607,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/mission/export/vehicle.py"/>
         <source>upload to a vehicle: the Python package {0} is missing</source>
         <translation>envío a un vehículo: falta el paquete de Python {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/export/vehicle.py"/>
-        <source>vehicle {0!r}: must be tcp:HOST:PORT, udp:HOST:PORT or udpout:HOST:PORT</source>
-        <translation>vehículo {0!r}: debe ser tcp:HOST:PORT, udp:HOST:PORT o udpout:HOST:PORT</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/vehicle.py"/>

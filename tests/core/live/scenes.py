@@ -16,10 +16,10 @@ def mission(**more):
     return Mission(Points(((*HERE, 150.0),)), 150.0, **{"image_px": 96, "source": "world", **more})
 
 
-def live_camera(opened=None, **more):
+def live_camera(opened=None, *, accept_terms=False, **more):
     asked = mission(**more)
     source = named_source(asked.imagery.source).open() if opened is None else opened
-    return LiveCamera(asked, source, mission_heights(asked))
+    return LiveCamera(asked, source, mission_heights(asked), accept_terms=accept_terms)
 
 
 def random_requests(count, seed, *, most_tilt=75.0, products=()):

@@ -98,13 +98,14 @@ class HeldSource(PatternSource):
         return np.random.default_rng(abs(hash(part))).integers(0, 256, (part.height_px, part.width_px, 3), np.uint8)
 
 
-def test_late_tiles_are_stood_in_for_by_coarser_ones_and_the_share_is_stated():
-    source = HeldSource(coarsest=16)
-    camera = live_camera(source, source="https://tile.example/{z}/{x}/{y}.png", tilt_deg=40.0)
+@pytest.mark.parametrize("more", GROUNDS.values(), ids=GROUNDS)
+def test_late_tiles_are_stood_in_for_by_coarser_ones_and_the_share_is_stated(more):
+    source = HeldSource(coarsest=99)
+    camera = live_camera(source, source="https://tile.example/{z}/{x}/{y}.png", tilt_deg=40.0, **more)
     request = random_requests(1, 5)[0]
     low = request._replace(up_m=4.0 * request.up_m, tilt_deg=0.0)
-    source.coarsest = camera.plan(low).zoom
     camera.take(low)
+    source.coarsest = max(part.window.zoom for part in camera.prepare(low).parts)
     late = camera.take(request, wait_s=0.0)
     source.held.set()
     whole = camera.take(request)

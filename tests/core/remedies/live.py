@@ -9,6 +9,7 @@ from contextlib import closing
 
 import pytest
 from terrainav.core.cli.living import _serving
+from terrainav.core.imagery.policy import Policy
 from terrainav.core.live.encoding import encode
 from terrainav.core.live.flightgear import serve
 from terrainav.core.live.serving import BusyError, FrameServer
@@ -17,6 +18,7 @@ from tests.core.live.scenes import live_camera, random_requests
 from tests.core.live.serving import free_port
 from tests.core.remedies.files import extra_brings
 from tests.support.remedies import Case, remedy
+from tests.support.sources import PatternSource
 
 PLACE = ("--coords", "46.6_8.1_120", "--source", "world")
 
@@ -51,6 +53,16 @@ def _taken_port(case: Case) -> None:
 def _map_frame(case: Case) -> None:
     case.refused(lambda: live_camera(frame="map"))
     case.follow("choose camera", lambda: live_camera(frame="camera"))
+
+
+@remedy(
+    "live/terms.py", "{}: live frames keep tiles for the next ones, which the terms forbid: {}{}; take another source"
+)
+def _forbidden_source(case: Case) -> None:
+    source = PatternSource(("satellite",))
+    source.policy = Policy(cache_allowed=False, terms="nothing may be kept")
+    case.refused(lambda: live_camera(source))
+    case.follow("take another source", lambda: live_camera(PatternSource(("satellite",))))
 
 
 @remedy("live/encoding.py", "format {}: cannot hold {}; choose tif")
