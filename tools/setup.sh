@@ -21,8 +21,11 @@ if [[ -n $WANTED ]]; then
     PACKAGES+=(python3-venv libegl1 libimage-exiftool-perl proj-bin)
 fi
 if [[ $WANTED == tests ]]; then
-    # Shadows are compared with GRASS's, and a page is opened in Chromium.
-    PACKAGES+=(grass-core chromium)
+    # Shadows are compared with GRASS's, a page is opened in Chromium, and video is streamed by GStreamer.
+    PACKAGES+=(
+        grass-core chromium ffmpeg gir1.2-gst-rtsp-server-1.0 python3-gst-1.0
+        gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-ugly
+    )
 fi
 STAMP=.venv/terrainav-setup-$WANTED
 

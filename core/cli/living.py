@@ -110,6 +110,21 @@ async def _open_fdm(opened: AsyncExitStack, server: FrameServer, arguments: argp
     return f"{arguments.host}:{port}"
 
 
+async def _open_rtsp(opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, port: int) -> str:
+    """Stream video, whose viewers have no tokens."""
+    if arguments.host not in LOOPBACK:
+        raise InvalidInput("video at {0}: has no tokens, so it serves this machine alone", arguments.host)
+    try:
+        rtsp = import_module("...live.rtsp", __name__)
+    except (ImportError, ValueError) as missing:
+        raise InvalidInput(
+            "video: GStreamer's RTSP server or its Python modules are missing",
+            remedy=Message("get it with: apt install {0}", "gir1.2-gst-rtsp-server-1.0 python3-gst-1.0"),
+        ) from missing
+    await opened.enter_async_context(rtsp.serve(server, arguments.host, port))
+    return f"rtsp://{arguments.host}:{port}{rtsp.PATH}"
+
+
 async def _open_mavlink(
     opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, address: str
 ) -> str:
@@ -127,5 +142,6 @@ _INTERFACES: dict[str, Callable[..., Awaitable[str]]] = {
     "http": _open_http,
     "airsim": _open_airsim,
     "mavlink": _open_mavlink,
+    "rtsp": _open_rtsp,
     "fdm": _open_fdm,
 }

@@ -13,7 +13,7 @@ from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPL
 from ..capture.choices import FOLDERS, IMAGES, LAYOUTS
 from ..dataset.folder import PARTS
 from ..geodesy.lens import LENSES
-from ..live.choices import AIRSIM_PORT, FDM_PORT, HTTP_PORT, MAVLINK_ADDRESS
+from ..live.choices import AIRSIM_PORT, FDM_PORT, HTTP_PORT, MAVLINK_ADDRESS, RTSP_PORT
 from ..mission.options import OPTIONS, share
 from ..mission.parts import ALIGNMENTS
 from ..numbers import integer, real_number
@@ -177,6 +177,7 @@ def _add_live(serving: argparse.ArgumentParser) -> None:
     for name, usual, text in (
         ("http", HTTP_PORT, "HTTP, with a page that shows the camera (the default interface)"),
         ("airsim", AIRSIM_PORT, "AirSim's clients"),
+        ("rtsp", RTSP_PORT, "video in H.264, by GStreamer"),
         ("fdm", FDM_PORT, "simulators that send FlightGear's FDM, whose aircraft the page can follow"),
     ):
         serving.add_argument(

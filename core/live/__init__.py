@@ -10,6 +10,7 @@
 - `following`: poses of a vehicle that arrive late and with gaps, and its pose at an exposure's time
 - `http`: HTTP, WebSocket and a page
 - `airsim`: AirSim's clients
+- `rtsp`: video in H.264
 - `flightgear`: poses from flight simulators
 - `links`: MAVLink's links on this machine
 - `telemetry`: poses of a vehicle from its MAVLink messages

@@ -12522,22 +12522,22 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/live/following.py"/>
         <source>pose at {0:.3f} s: none is known for {1:g} s</source>
-        <translation type="unfinished"></translation>
+        <translation>pose a los {0:.3f} s: no se conoce ninguna durante {1:g} s</translation>
     </message>
     <message>
         <location filename="../../core/live/following.py"/>
         <source>pose at {0:.3f} s: none is known that early</source>
-        <translation type="unfinished"></translation>
+        <translation>pose a los {0:.3f} s: no se conoce ninguna tan temprana</translation>
     </message>
     <message>
         <location filename="../../core/live/following.py"/>
         <source>pose at {0:.3f} s: the last known one is of {1:.3f} s</source>
-        <translation type="unfinished"></translation>
+        <translation>pose a los {0:.3f} s: la última conocida es de los {1:.3f} s</translation>
     </message>
     <message>
         <location filename="../../core/live/following.py"/>
         <source>vehicle: has sent no pose</source>
-        <translation type="unfinished"></translation>
+        <translation>vehículo: no ha enviado ninguna pose</translation>
     </message>
     <message>
         <location filename="../../core/live/http.py"/>
@@ -12567,7 +12567,7 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/live/links.py"/>
         <source>vehicle {0!r}: MAVLink has no tokens, so the camera serves this machine alone</source>
-        <translation type="unfinished"></translation>
+        <translation>vehículo {0!r}: MAVLink no tiene contraseñas, así que la cámara sirve solo a este equipo</translation>
     </message>
     <message>
         <location filename="../../core/live/links.py"/>
@@ -12583,12 +12583,12 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     <message>
         <location filename="../../core/live/serving.py"/>
         <source>follow: no vehicle sends its poses here</source>
-        <translation type="unfinished"></translation>
+        <translation>seguir: ningún vehículo envía aquí sus poses</translation>
     </message>
     <message>
         <location filename="../../core/live/serving.py"/>
         <source>give where it sends them (--fdm or --mavlink)</source>
-        <translation type="unfinished"></translation>
+        <translation>indique dónde las envía (--fdm o --mavlink)</translation>
     </message>
     <message>
         <location filename="../../core/live/terms.py"/>

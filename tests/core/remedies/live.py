@@ -6,6 +6,7 @@ import asyncio
 import socket
 import sys
 from contextlib import closing
+from pathlib import Path
 
 import pytest
 from terrainav.core.cli.living import _serving
@@ -20,6 +21,7 @@ from tests.core.remedies.files import extra_brings
 from tests.support.remedies import Case, remedy
 from tests.support.sources import PatternSource
 
+SETUP = Path(__file__).parents[3] / "tools" / "setup.sh"
 PLACE = ("--coords", "46.6_8.1_120", "--source", "world")
 
 
@@ -106,3 +108,25 @@ def _no_folder(case: Case) -> None:
     # What is refused then is the address.
     ran = case.run("live", *PLACE, "--photos", str(case.tmp_path / "photos"), "--mavlink", "udp:192.0.2.1:9")
     case.follow("give one (--photos)", lambda: "this machine" in ran.stderr)
+
+
+@remedy(
+    "cli/living.py",
+    "video: GStreamer's RTSP server or its Python modules are missing; get it with: apt install {}",
+)
+def _no_gstreamer(case: Case) -> None:
+    import asyncio
+    from argparse import Namespace
+    from contextlib import AsyncExitStack
+
+    from terrainav.core.cli.living import _open_rtsp
+
+    async def opened() -> None:
+        async with AsyncExitStack() as stack:
+            await _open_rtsp(stack, None, Namespace(host="127.0.0.1"), 0)  # type: ignore[arg-type]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delitem(sys.modules, "terrainav.core.live.rtsp", raising=False)
+        patch.setitem(sys.modules, "gi", None)
+        case.refused(lambda: asyncio.run(opened()))
+    case.follow("get it with: apt install", lambda: "gir1.2-gst-rtsp-server-1.0" in SETUP.read_text())
