@@ -26,8 +26,8 @@ _REACH_M, _REACH_M_PER_S = 50.0, 400.0
 _STRAYS = 3
 #: Longest gap that is interpolated and longest extrapolation, seconds.
 WIDEST_GAP_S, FURTHEST_S = 1.0, 0.25
-#: Delays that the least delay is taken from.
-_DELAYS = 64
+#: Delays that the least is taken from: few, as a simulator's clock may be slower or faster than time.
+_DELAYS = 16
 #: Highest speed and height of a pose that is taken.
 _FASTEST_M_PER_S, _HIGHEST_M = 1000.0, 100_000.0
 #: From north, east, down to east, north, up, and back.

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from pymavlink.dialects.v20 import common as protocol
 
 from ..errors import InvalidInput, TerrAInavError
-from ..storage.files import write_new
+from ..storage.files import make_folder, write_new
 from .camera import FrameRequest
 from .encoding import encode
 from .following import Mount, PoseTrack, VehiclePose, heading_deg
@@ -127,7 +127,11 @@ class CameraComponent:
     def request(self) -> FrameRequest:
         """Request for the frame of the vehicle's last pose; raises InvalidInput without one."""
         pose = self.track.latest()
-        return self.gimbal.mount(self._clock()).request(pose, pose.time_s, self._sea_level_m)
+        return self._asked(pose, self.gimbal.mount(self._clock()))
+
+    def _asked(self, pose: VehiclePose, mount: Mount) -> FrameRequest:
+        unix_us = self._telemetry.unix_us(round(pose.time_s * 1000.0))
+        return mount.request(pose, unix_us / 1e6, self._sea_level_m)
 
     def receive(self, message: Any) -> None:
         """Handle a message."""
@@ -138,12 +142,12 @@ class CameraComponent:
             if sender[0] == self._vehicle:
                 self._telemetry.receive(message, self._clock())
                 self._heard.set()
-        elif getattr(message, "target_system", None) in (0, self.mav.srcSystem):
-            self._obey(kind, message, sender)
+        elif kind in _ORDERS:
+            to = message.target_system, message.target_component
+            if to[0] in (0, self.mav.srcSystem) and to[1] in (0, COMPONENT):
+                self._obey(kind, message, sender)
 
     def _obey(self, kind: str, message: Any, sender: Sender) -> None:
-        if message.target_component not in (0, COMPONENT):
-            return
         if kind in ("COMMAND_LONG", "COMMAND_INT"):
             last = ("param5", "param6", "param7") if kind == "COMMAND_LONG" else ("x", "y", "z")
             names = ("param1", "param2", "param3", "param4", *last)
@@ -156,7 +160,7 @@ class CameraComponent:
                 # NaN or infinity for a whole number.
                 result = _DENIED
             self.mav.command_ack_send(message.command, result, 0, 0, *sender)
-        elif kind == "GIMBAL_MANAGER_SET_PITCHYAW":
+        else:
             values = (message.pitch, message.yaw, message.pitch_rate, message.yaw_rate)
             self._aim(sender, [math.degrees(one) for one in values], message.flags)
 
@@ -213,8 +217,8 @@ class CameraComponent:
         pose, is_taken, path = None, False, self.folder / f"{exposure.index:06d}.jpg"
         try:
             pose = await self._pose(exposure.time_ms / 1000.0)
-            asked = exposure.mount.request(pose, self._telemetry.unix_us(exposure.time_ms) / 1e6, self._sea_level_m)
-            is_taken = await self.server.run(partial(_written, self.server, asked, path))
+            make = partial(_written, self.server, self._asked(pose, exposure.mount), path)
+            is_taken = await self.server.run(make)
         except TerrAInavError:
             # Reported as a photograph that failed.
             is_taken = False
@@ -320,7 +324,6 @@ class CameraComponent:
         self._send_state()
 
     def _send_state(self) -> None:
-        """Send what some clients do not ask for, or late."""
         for number in _STATE:
             if number in self._messages:
                 self._messages[number]()
@@ -374,7 +377,7 @@ class CameraComponent:
         elif system == component == -3:
             if self.gimbal.control == sender:
                 self.gimbal.control = (0, 0)
-        elif system >= 0 and component >= 0:
+        elif 0 <= system <= 255 and 0 <= component <= 255:
             self.gimbal.control = system, component
         elif not system == component == -1:
             return _DENIED
@@ -433,6 +436,9 @@ class _Interval(NamedTuple):
             self.task.cancel()
 
 
+#: Messages that ask for something.
+_ORDERS = ("COMMAND_LONG", "COMMAND_INT", "GIMBAL_MANAGER_SET_PITCHYAW")
+#: Messages that some clients do not ask for, or late.
 _STATE = (
     protocol.MAVLINK_MSG_ID_CAMERA_SETTINGS,
     protocol.MAVLINK_MSG_ID_STORAGE_INFORMATION,
@@ -477,10 +483,12 @@ async def serve(
     InvalidInput
         Another address, or one of another machine.
     OSError
-        The port cannot be used, or the folder not be made.
+        The port cannot be used.
+    OutputError
+        The folder cannot be made.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     async with open_link(address) as link:
+        make_folder(folder)
         component = CameraComponent(server, folder, link.send, stream=stream, sea_level_m=sea_level_m)
         link.receive = component.receive
         component.announce()

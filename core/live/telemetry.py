@@ -14,6 +14,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..geodesy.local import LocalFrame
+from ..mission.clock import is_dated
 from .following import PoseTrack
 
 #: Messages of the vehicle that are followed.
@@ -22,6 +23,10 @@ MESSAGES = ("GLOBAL_POSITION_INT", "ATTITUDE", "SYSTEM_TIME", "LOCAL_POSITION_NE
 _AGREE = 0.75
 #: Positions that wait for the other one of their time; milliseconds without local ones after which global ones serve.
 _REMEMBERED, _MISSED_MS = 32, 500
+
+
+#: Highest height, mm.
+_HIGHEST_MM = 100_000_000
 
 
 class Telemetry:
@@ -64,12 +69,13 @@ class Telemetry:
             if found != self._origin:
                 self._origin, self.is_fine = found, False
                 self._local.clear()
-        elif message.time_unix_usec:
+        elif is_dated(np.float64(message.time_unix_usec / 1e6)):
             self._boot_us = message.time_unix_usec - 1000 * message.time_boot_ms
 
     def _add_global(self, message: Any, now_s: float) -> None:
         time_ms = message.time_boot_ms
-        self.home_alt_mm = message.alt - message.relative_alt
+        if max(abs(message.alt), abs(message.relative_alt)) <= _HIGHEST_MM:
+            self.home_alt_mm = message.alt - message.relative_alt
         _remember(self._global, time_ms, message)
         self._compare(time_ms)
         if abs(time_ms - self._last_local_ms) > _MISSED_MS:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import math
@@ -11,6 +12,7 @@ import socket
 import time
 from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from urllib.parse import urlparse
 from urllib.request import url2pathname
 
@@ -25,7 +27,8 @@ pytest.importorskip("pymavlink", reason="it reads and writes MAVLink")
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common
 from terrainav.core.live import mavlink
-from terrainav.core.live.links import parse_address
+from terrainav.core.live.links import messages, parse_address, parser
+from terrainav.core.live.serving import FrameServer
 
 from tests.core.live.scenes import live_camera
 from tests.core.live.serving import free_port, served
@@ -412,3 +415,54 @@ def test_the_camera_calls_where_it_is_told_to(tmp_path, kind):
 def test_other_addresses_are_refused(address, words):
     with pytest.raises(InvalidInput, match=words):
         parse_address(address)
+
+
+#: 32-bit words of extreme values: infinities, NaN, and least and greatest whole numbers.
+EXTREMES = [bytes.fromhex(word) for word in "0000807f 000080ff 0000c07f 00000000 ffffffff ffffff7f 00000080".split()]
+
+
+def random_messages(rng, cls, maker):
+    """A message with random fields, some of them extreme, as it arrives; for the camera if it is for anybody."""
+    words = [rng.choice(EXTREMES) if rng.random() < 0.3 else rng.randbytes(4) for _ in range(64)]
+    message = object.__new__(cls)
+    common.MAVLink_message.__init__(message, cls.id, cls.msgname)
+    payload = b"".join(words)[: cls.unpacker.size]
+    for found in messages(parser(), message._pack(maker, cls.crc_extra, payload)):
+        for name, targets in (("target_system", (0, 1)), ("target_component", (0, 100)), ("command", COMMANDS)):
+            if name in cls.fieldnames:
+                setattr(found, name, rng.choice(targets))
+        yield found
+
+
+COMMANDS = (1, 512, 521, 522, 525, 527, 530, 1000, 1001, 2000, 2001, 2504)
+
+
+def test_no_message_of_the_protocol_breaks_the_camera(tmp_path):
+    """Well-formed messages with random and extreme values, in a loop in which exceptions end the test."""
+    rng, camera, sent, broken = random.Random(11), live_camera(), [], []
+    followed = ("COMMAND", "GLOBAL_POSITION", "LOCAL_POSITION_NED", "ATTITUDE", "SYSTEM_TIME", "GPS_GLOBAL", "GIMBAL_M")
+    kinds = list(common.mavlink_map.values())
+    kinds += [cls for cls in kinds if cls.msgname.startswith(followed)] * 20
+
+    async def converse():
+        asyncio.get_running_loop().set_exception_handler(lambda _, context: broken.append(context))
+        server = FrameServer(camera)
+        component = mavlink.CameraComponent(server, tmp_path, sent.append)
+        maker = common.MAVLink(None, srcSystem=1, srcComponent=1)
+        component.receive(messages(parser(), common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3).pack(maker))[0])
+        for number in range(6000):
+            for message in random_messages(rng, rng.choice(kinds), maker):
+                component.receive(message)
+            if number % 100 == 0:
+                for message in Vehicle.messages(SimpleNamespace(boot_s=0.0, fine=True), number / 100.0):
+                    component.receive(messages(parser(), message.pack(maker))[0])
+                await asyncio.sleep(0.001)
+        await component.close()
+        server.close()
+        return component
+
+    component = asyncio.run(converse())
+    assert broken == []
+    assert min(component.track.counts[name] for name in ("taken", "nonsense", "stray")) > 0
+    assert len(component.captured) <= component._next
+    assert sent

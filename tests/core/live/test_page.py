@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import socket
 
 import pytest
 
@@ -108,3 +109,24 @@ def test_a_server_that_ends_is_missed(browser):
         page = opened_page(browser, port)
     page.wait_for_function("document.getElementById('message').classList.contains('wrong')", timeout=60_000)
     page.close()
+
+
+def test_the_page_follows_an_aircraft_until_a_key_is_pressed(browser):
+    pytest.importorskip("pymavlink", reason="it writes the aircraft's packets")
+    from tests.core.live.test_flightgear import packet, serve_both
+
+    camera = live_camera(image_px=160)
+    with served(camera, serve_both) as port, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.connect(("127.0.0.1", camera.fdm_port))
+        sender.send(packet())
+        page = opened_page(browser, port)
+        page.wait_for_function("pose.agl > 320.5 && pose.agl < 321.5", timeout=60_000)
+        sender.send(packet(altitude=(400.0, "meters")))
+        page.wait_for_function("pose.agl > 399.5", timeout=60_000)
+        assert page.locator("#follow").is_checked()
+        page.keyboard.press("r", delay=300.0)
+        page.wait_for_function("!waiting && !changed", timeout=60_000)
+        assert not page.locator("#follow").is_checked()
+        assert pose(page)["agl"] > 400.5
+        assert page.faults == []
+        page.close()
