@@ -82,6 +82,7 @@ class TerrAInavPlugin:
         self._add("draw_polygon", tr("Draw pol&ygon"), self._toggle_polygon_tool, checkable=True)
         self._add("preview", tr("Preview &footprints"), self._toggle_preview, checkable=True)
         self._add("test_shot", tr("&Test shot"), self._toggle_point_tool, checkable=True)
+        self._add("live_view", tr("&Live view"), self._toggle_live_view, checkable=True)
         self._add("capture", tr("&Capture"), lambda: self._use(lambda w: w.capture()))
         self._add("view_images", tr("&View images"), self._toggle_view_tool, checkable=True)
         self._add("clean_dataset", tr("D&ataset…"), lambda: self._use(lambda w: w.datasets.open()))
@@ -212,6 +213,7 @@ class TerrAInavPlugin:
         session.viewing.tool.setAction(self.actions["view_images"])
         self.actions["dock"].setChecked(session.dock.isUserVisible())
         session.dock.visibilityChanged.connect(self.actions["dock"].setChecked)
+        session.live.shown.connect(self.actions["live_view"].setChecked)
         session.preview_shown.connect(self.actions["preview"].setChecked)
 
     def _use(self, act: Callable[[Session], None]) -> None:
@@ -238,6 +240,9 @@ class TerrAInavPlugin:
 
     def _toggle_point_tool(self, on: bool) -> None:
         self._use(lambda session: session.take_test_shot() if on else session.point_tool.stop())
+
+    def _toggle_live_view(self, on: bool) -> None:
+        self._use(lambda session: session.live.open() if on else session.live.hide())
 
     def _toggle_view_tool(self, on: bool) -> None:
         self._use(lambda session: session.viewing.start() if on else session.viewing.stop())

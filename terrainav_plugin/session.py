@@ -22,6 +22,7 @@ from .dataset.placing import OpenProject
 from .dataset_window.datasets import CLEAN, Datasets
 from .form.state import FormState
 from .i18n import tr, translate
+from .live.view import LiveView
 from .map.canvas import is_in_sight
 from .map.mission_group import GroupsOnTop, MissionGroup
 from .messages import Messages
@@ -109,6 +110,7 @@ class Session(QObject):
         self.viewing = Viewing(self.project, iface, messages)
         self.compare = Compare(self.project, iface)
         self.profiles = Profiles(iface, messages, lambda: form.state().agl_unit)
+        self.live = LiveView(self.project, iface, form.state, lambda: self.planned)
         self.datasets = Datasets(iface, messages, self._datasets)
         self.benchmarks = BenchmarkWindows(iface, messages)
         self.source_list = SourceList(self.project, form.imagery, messages, window, self.background.visible_box)
@@ -231,6 +233,7 @@ class Session(QObject):
             self.viewing,
             self.compare,
             self.profiles,
+            self.live,
             self.datasets,
             self.benchmarks,
             self.source_on_map,
@@ -260,6 +263,7 @@ class Session(QObject):
         form.changed.connect(self.memory.note)
         form.changed.connect(self._show_key)
         form.changed.connect(self._show_hint)
+        form.changed.connect(self.live.refresh)
         form.draw_box_clicked.connect(self.draw_box)
         form.show_on_map_clicked.connect(self.show_on_map)
         form.route.pick_clicked.connect(self.areas.takeoff_tool.start)
@@ -281,6 +285,7 @@ class Session(QObject):
         self.planner.features_read.connect(self._preview_features)
         self.planning.planned.connect(lambda planned: self.profiles.show_plan(planned.plan))
         self.planning.unplanned.connect(self.profiles.show_reason)
+        self.planning.planned.connect(lambda _planned: self.live.show_plan())
         form.flight.profile_clicked.connect(self.profiles.open)
         form.flight.fastest_clicked.connect(lambda: enter_fastest(form, self.planning, self.messages))
         self.planning.planned.connect(lambda _planned: self._show_plannable(""))
@@ -294,6 +299,7 @@ class Session(QObject):
         self.box_tool.refused.connect(self.messages.warning)
         self.point_tool.refused.connect(self.messages.warning)
         self.point_tool.clicked.connect(lambda lat, lon: runs.start_test_shot(self.state(), lat, lon))
+        self.live.recorded.connect(runs.start_mission)
         runs.running.connect(self.dock.show_busy)
         runs.refused.connect(form.show_messages)
         runs.other_folder_wanted.connect(self._capture_into)

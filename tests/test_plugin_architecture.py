@@ -24,7 +24,7 @@ FLOORS = (
     {"form", "map", "network"},
     {"dataset", "qgis_source", "remote"},
     {"sources"},
-    {"area", "preview", "capture", "results", "missions", "dataset_window", "profile"},
+    {"area", "preview", "capture", "results", "missions", "dataset_window", "profile", "live"},
     {"panel", "processing"},
     {"top"},
 )

@@ -1486,6 +1486,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>{name}: cannot be captured: {reason}</source>
+        <translation>{name}: no se puede capturar: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
         <source>{name}: cannot be resumed: {reason}</source>
         <translation>{name}: no se puede reanudar: {reason}</translation>
     </message>
@@ -3181,6 +3186,177 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/i18n.py"/>
         <source>“{entry}”</source>
         <translation>«{entry}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source> per s</source>
+        <translation> por s</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>&amp;Follow flight</source>
+        <translation>Seguir el &amp;vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>&amp;Tilt</source>
+        <translation>&amp;Inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>&amp;Yaw</source>
+        <translation>&amp;Guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Angle between the view and the vertical: 0 looks straight down</source>
+        <translation>Ángulo entre la vista y la vertical: 0 mira hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Direction of the image's top edge, clockwise from north</source>
+        <translation>Dirección del borde superior de la imagen, en sentido horario desde el norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Drag the camera on the map, and its handle to turn it; with the keyboard on the map, use arrow keys</source>
+        <translation>Arrastre la cámara en el mapa, y su tirador para girarla; con el teclado en el mapa, use las flechas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Folder of the dataset that a recording becomes</source>
+        <translation>Carpeta del conjunto de datos en que se convierte una grabación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Folder of the recording</source>
+        <translation>Carpeta de la grabación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>He&amp;ight</source>
+        <translation>A&amp;ltura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Height of the camera above ground</source>
+        <translation>Altura de la cámara sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>I&amp;nto</source>
+        <translation>E&amp;n</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Images of a recording while you move the camera</source>
+        <translation>Imágenes de una grabación mientras mueve la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Move on m&amp;ap</source>
+        <translation>Mover en el m&amp;apa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Note the poses of the camera until you press again, then capture an image from each</source>
+        <translation>Anotar las poses de la cámara hasta que pulse de nuevo, y capturar después una imagen desde cada una</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Picture of the camera</source>
+        <translation>Imagen de la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Rec&amp;ord</source>
+        <translation>Gra&amp;bar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Roll</source>
+        <translation>Alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Show what the camera sees in the planned flight, at the time of QGIS's temporal controller</source>
+        <translation>Mostrar lo que ve la cámara en el vuelo planificado, a la hora del controlador temporal de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Stop rec&amp;ording ({poses})</source>
+        <translation>Dejar de gra&amp;bar ({poses})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>TerrAInav: live view</source>
+        <translation>TerrAInav: vista en directo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>Turn of the camera about its view</source>
+        <translation>Giro de la cámara en torno a su vista</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>error ≤ {px} px</source>
+        <translation>error ≤ {px} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>yaw {yaw}°, tilt {tilt}°, roll {roll}°</source>
+        <translation>guiñada {yaw}°, inclinación {tilt}°, alabeo {roll}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>{height} {unit} above ground</source>
+        <translation>{height} {unit} sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>{ms} ms</source>
+        <translation>{ms} ms</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>{share} % at lower resolution until its tiles are here</source>
+        <translation>{share} % a menor resolución hasta que lleguen sus teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/view.py"/>
+        <source>Name a folder for the recording.</source>
+        <translation>Indique una carpeta para la grabación.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/view.py"/>
+        <source>Opening the imagery…</source>
+        <translation>Abriendo las imágenes…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/view.py"/>
+        <source>The flight is from {begin} to {end} UTC, and the temporal controller at {now}.</source>
+        <translation>El vuelo va de {begin} a {end} UTC, y el controlador temporal está en {now}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/view.py"/>
+        <source>The flight is from {begin} to {end} UTC: play it in QGIS's temporal controller.</source>
+        <translation>El vuelo va de {begin} a {end} UTC: reprodúzcalo en el controlador temporal de QGIS.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/view.py"/>
+        <source>There is no flight to follow: enter a mission in the panel first.</source>
+        <translation>No hay vuelo que seguir: introduzca antes una misión en el panel.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/view.py"/>
+        <source>There is no picture to record.</source>
+        <translation>No hay imagen que grabar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/view.py"/>
+        <source>{folder} holds a mission already: name another folder.</source>
+        <translation>{folder} ya contiene una misión: indique otra carpeta.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>
@@ -5627,6 +5803,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;Live view</source>
+        <translation>Vista &amp;en directo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
         <source>&amp;Settings…</source>
         <translation>Con&amp;figuración…</translation>
     </message>
@@ -5763,11 +5944,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>the horizon is in the image</source>
         <translation>el horizonte está en la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/preview/layers.py"/>
-        <source>yaw {yaw}°, tilt {tilt}°, roll {roll}°</source>
-        <translation>guiñada {yaw}°, inclinación {tilt}°, alabeo {roll}°</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -18427,6 +18603,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../terrainav_plugin/remote/images.py"/>
         <source>image {0}: cannot be written ({1})</source>
         <translation>imagen {0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/source.py"/>
+        <source>live view: closed</source>
+        <translation>vista en directo: cerrada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/network/answers.py"/>

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from qgis.core import QgsProcessingUtils
 from qgis.PyQt.QtCore import QObject, pyqtSignal
@@ -31,6 +31,15 @@ if TYPE_CHECKING:
     from ..messages import Messages
     from ..planner import PlannedMission
     from .task import CaptureTask
+
+
+class _Wanted(NamedTuple):
+    """A capture that waits for its plan."""
+
+    folder: Path
+    name: str
+    refusal: str
+    only_failed: bool = False
 
 
 class Runs(QObject):
@@ -97,7 +106,7 @@ class Runs(QObject):
         self._endings.missing_wanted.connect(self.treat_as_missing)
         self._unfinished = Unfinished()
         self._finding: FindTask | None = None
-        self._planning: dict[PlanTask, UnfinishedCapture] = {}
+        self._planning: dict[PlanTask, _Wanted] = {}
         self._was_idle = True
         self._closed = False
 
@@ -164,23 +173,28 @@ class Runs(QObject):
 
     def resume_unfinished(self, left: UnfinishedCapture) -> None:
         """Plan an unfinished capture of an earlier session again, and put it into the queue."""
-        if not self.questions.has_usable_keys(left.mission):
-            return
-        task = PlanTask(left.mission, grid_finders(left.mission))
-        self._planning[task] = left
-        task.begin(self._planned_again)
+        refusal = tr("{name}: cannot be resumed: {reason}")
+        self._plan(left.mission, _Wanted(left.folder, left.name, refusal, left.only_failed))
 
-    def _planned_again(self, task: PlanTask) -> None:
-        left = self._planning.pop(task)
+    def start_mission(self, mission: Mission, folder: Path) -> None:
+        """Plan a mission other than the panel's, and put its capture into the queue."""
+        self._plan(mission, _Wanted(folder, folder.name, tr("{name}: cannot be captured: {reason}")))
+
+    def _plan(self, mission: Mission, wanted: _Wanted) -> None:
+        if not self.questions.has_usable_keys(mission):
+            return
+        task = PlanTask(mission, grid_finders(mission))
+        self._planning[task] = wanted
+        task.begin(self._planned)
+
+    def _planned(self, task: PlanTask) -> None:
+        wanted = self._planning.pop(task)
         if task.plans is None:
             self._messages.failed(
-                tr("{name}: cannot be resumed: {reason}").format(
-                    name=left.name, reason=translate(task.error) or tr("stopped")
-                ),
-                task.trace,
+                wanted.refusal.format(name=wanted.name, reason=translate(task.error) or tr("stopped")), task.trace
             )
-        elif not self.questions.belongs_to_another(task.plans, left.folder):
-            self._enqueue(task.plans, left.folder, left.only_failed)
+        elif not self.questions.belongs_to_another(task.plans, wanted.folder):
+            self._enqueue(task.plans, wanted.folder, wanted.only_failed)
 
     def capture_failed(self, run: BackgroundRun) -> None:
         """Capture the failed images of an ended run again, and nothing else."""

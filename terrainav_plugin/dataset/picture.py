@@ -20,7 +20,7 @@ from ...core.text.plain import one_line
 from ..i18n import tr
 from .shown import open_image, open_shown
 
-_GREY_WITH_MASK, _COLOURS_WITH_MASK = 2, 4
+_GREY_WITH_MASK, _COLOURS, _COLOURS_WITH_MASK = 2, 3, 4
 #: Evenly spaced colours from near to far: matplotlib's viridis, perceptually uniform, also for the colour-blind.
 _VIRIDIS = (
     (68, 1, 84),
@@ -216,6 +216,23 @@ def _image(bands: np.ndarray) -> QImage:
     pixels[..., :3] = np.moveaxis(np.broadcast_to(colours, (3, height, width)), 0, -1)
     pixels[..., 3] = bands[-1] if masked else 255
     return rgba_image(pixels)
+
+
+def picture_image(pixels: np.ndarray, *, masked: bool) -> QImage:
+    """Image of a picture (h, w, bands) with a mask as its last band if ``masked``.
+
+    Values other than 8-bit ones are stretched over their range.
+    """
+    colours = pixels[..., :-1] if masked else pixels
+    there = pixels[..., -1] > 0 if masked else np.ones(pixels.shape[:2], bool)
+    colours = colours[..., :3] if colours.shape[-1] >= _COLOURS else colours[..., :1]
+    if colours.dtype != np.uint8:
+        values = colours[there & np.isfinite(colours).all(axis=-1)]
+        low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
+        share = (colours.astype(np.float64) - low) / ((high - low) or 1.0)
+        colours = np.rint(255.0 * np.clip(np.nan_to_num(share), 0.0, 1.0)).astype(np.uint8)
+    alpha = np.where(there, np.uint8(255), np.uint8(0))[..., np.newaxis]
+    return rgba_image(np.concatenate([np.broadcast_to(colours, (*colours.shape[:2], _COLOURS)), alpha], axis=-1))
 
 
 def rgba_image(pixels: np.ndarray) -> QImage:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import LENS_FIELDS
-from ...core.mission.parts import FLAT_PARTS, REALISM_PARTS, Flight, Imagery, Output, Route, Sunlight
+from ...core.mission.parts import FLAT_PARTS, GROUND, REALISM_PARTS, Flight, Imagery, Output, Route, Sunlight
 from ..i18n import number_text, plain_number, tr, translate
 from .area import FormError, edge_deg, entered_shape, no_fly_text, parse_no_fly, replace_box, shape_text
 from .camera import camera_as_typed, convert_camera, in_length_unit, lens_values
@@ -36,7 +36,7 @@ from .text import (
 )
 
 if TYPE_CHECKING:
-    from ...core.mission.areas.area import Area, Box
+    from ...core.mission.areas.area import Area, Box, Points
     from ...core.mission.imageries import NamedImagery
     from ...core.mission.mission import Mission
 
@@ -56,6 +56,8 @@ _KEPT = ("keep_clean", "keep_undistorted")
 _ASPECTS = 0.001, 1000.0
 #: Key of errors that concern no entry of the panel.
 _BEYOND = "more"
+#: Entries of poses that are stated: nothing moves or orders them.
+_STILL = {"wind": False, "height_above": GROUND, "skip_rows": "", "order": Flight.order}
 
 
 class _Checks:
@@ -104,24 +106,49 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
     """Mission of one image above a point, otherwise as entered; raises FormError as `mission` does."""
     from ...core.mission.areas.area import Points
 
-    checks = _Checks()
-    # Nothing is flown: it needs no take-off and no battery, but images are exposed.
-    route = {one.name: one.default for one in declared_fields(Route) if one.name in ENTERED_AS_DECLARED}
-    del route["exposure_ms"]
     # The ideal image is shown beside one with effects.
     has_effects = any(getattr(state, one.name) != one.default for one in _effect_fields())
-    single = replace(
+    single = replace(_one_imagery(state), keep_clean=has_effects)
+    return _not_flown(single, lambda: Points(((lat_deg, lon_deg, state.agl_m),)))
+
+
+def single_view(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
+    """Mission of one image above a point, from which a live camera is made; raises FormError as `mission` does."""
+    from ...core.mission.areas.area import Points
+
+    still = replace(_one_imagery(state), **_STILL)
+    return _not_flown(still, lambda: Points(((lat_deg, lon_deg, state.agl_m),)))
+
+
+def recorded(state: FormState, points: Points, above: str) -> Mission:
+    """Mission of given poses, otherwise as entered; raises FormError as `mission` does.
+
+    Parameters
+    ----------
+    above : str
+        Where heights of the points count from, as the mission's ``height_above``.
+    """
+    return _not_flown(replace(state, **{**_STILL, "height_above": above}), lambda: points)
+
+
+def _one_imagery(state: FormState) -> FormState:
+    """State of one imagery and map type, without twins of images."""
+    return replace(
         state,
         map_types=state.map_types[:1],
         imageries=(),
         imagery_name="",
-        takeoff="",
-        no_fly="",
-        keep_clean=has_effects,
+        keep_clean=False,
         keep_undistorted=False,
-        **route,
     )
-    return _mission(single, checks("agl", lambda: Points(((lat_deg, lon_deg, state.agl_m),))), checks)
+
+
+def _not_flown(state: FormState, points: Callable[[], Points]) -> Mission:
+    """Mission of points without a route: it needs no take-off and no battery, but images are exposed."""
+    checks = _Checks()
+    route = {one.name: one.default for one in declared_fields(Route) if one.name in ENTERED_AS_DECLARED}
+    del route["exposure_ms"]
+    return _mission(replace(state, takeoff="", no_fly="", **route), checks("agl", points), checks)
 
 
 def _effect_fields() -> list[Field]:

@@ -10,12 +10,13 @@ from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
     QgsCsException,
+    QgsMapSettings,
     QgsPointXY,
     QgsProject,
     QgsRectangle,
 )
 from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsMapTool
-from qgis.PyQt.QtCore import QEvent, QObject, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QDateTime, QEvent, QObject, Qt, QTimeZone, pyqtSignal
 from qgis.PyQt.QtGui import QKeyEvent
 
 from ...core.errors import InvalidInput, TerrAInavError
@@ -116,6 +117,21 @@ def show_extent(canvas: QgsMapCanvas, rectangle: QgsRectangle, scale: float) -> 
     rectangle.scale(scale)
     canvas.setExtent(rectangle)
     canvas.refresh()
+
+
+def shown_times_ms(settings: QgsMapSettings) -> tuple[float, float] | None:
+    """First and last moment shown by the temporal controller, in milliseconds UTC; None if it shows all times."""
+    if not settings.isTemporal():
+        return None
+    shown = settings.temporalRange()
+    return _utc_ms(shown.begin(), -math.inf), _utc_ms(shown.end(), math.inf)
+
+
+def _utc_ms(moment: QDateTime, otherwise: float) -> float:
+    """Moment of the temporal controller, which has no time zones, in milliseconds UTC; ``otherwise`` if not set."""
+    if not moment.isValid():
+        return otherwise
+    return float(QDateTime(moment.date(), moment.time(), QTimeZone.utc()).toMSecsSinceEpoch())
 
 
 class TemporaryTool(QgsMapTool):

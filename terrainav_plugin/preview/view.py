@@ -16,10 +16,10 @@ from qgis.core import (
     QgsRectangle,
 )
 from qgis.gui import QgsMapCanvas
-from qgis.PyQt.QtCore import QDateTime, QTimeZone
 
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG
+from ..map.canvas import shown_times_ms
 from ..tasks import crs_named
 
 if TYPE_CHECKING:
@@ -205,10 +205,7 @@ def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapVie
     own = crs_named(world.crs)
     to_map = QgsCoordinateTransform(own, crs, context) if crs.isValid() else QgsCoordinateTransform()
     to_map.setBallparkTransformsAreAppropriate(True)
-    times = None
-    if settings.isTemporal():
-        shown = settings.temporalRange()
-        times = (_utc_ms(shown.begin(), -math.inf), _utc_ms(shown.end(), math.inf))
+    times = shown_times_ms(settings)
     rect = _visible_web_rect(extent, crs, context) if world.wraps else _visible_crs_rect(extent, to_map, world)
     return MapView(rect, to_map, settings.mapUnitsPerPixel(), size.width(), times)
 
@@ -279,10 +276,3 @@ def _degree_rect(west: float, south: float, east: float, north: float) -> Rect:
 
     metre = HALF_WORLD_M / 180.0
     return Rect.fitted(west * metre, northing(south), east * metre, northing(north))
-
-
-def _utc_ms(moment: QDateTime, otherwise: float) -> float:
-    """Moment of the temporal controller, which has no time zones, in milliseconds UTC; ``otherwise`` if not set."""
-    if not moment.isValid():
-        return otherwise
-    return float(QDateTime(moment.date(), moment.time(), QTimeZone.utc()).toMSecsSinceEpoch())

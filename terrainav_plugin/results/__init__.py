@@ -1,7 +1,6 @@
 """Viewing captured images one by one.
 
 shots           finds captured images under a click, and reads their data
-picture_view    widget that shows one image
 labels_pane     labels over an image
 viewer          the window that shows one image at a time
 compare         shows two images on the map alternately

@@ -10,9 +10,9 @@ from qgis.PyQt.QtWidgets import QComboBox, QHBoxLayout, QSlider, QVBoxLayout, QW
 from ...core.mission.parts import CLASSES, INSTANCES
 from ..dataset.overlay import IGNORE_COLOUR, LabelOverlay, LegendEntry
 from ..i18n import number_text, tr
+from ..picture_view import PictureView
 from ..plain import plain_label
 from ..widgets import named, wrapped_label
-from .picture_view import PictureView
 
 #: Classes listed in the legend; the largest come first.
 _MOST_LISTED = 20

@@ -24,11 +24,11 @@ from ...core.numbers import real_number
 from ..dataset.picture import Depth, legend_image
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
+from ..picture_view import PictureView
 from ..plain import plain_label
 from ..units import METRES, gsd_text
 from ..widgets import named, push_button, scrolled, wrapped_label
 from .labels_pane import LabelsPane
-from .picture_view import PictureView
 from .shots import CapturedImage, ViewedImage
 
 #: Names of metadata that other rows already show, or that only programs need.

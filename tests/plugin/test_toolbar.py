@@ -13,6 +13,7 @@ BUTTONS = [
     "draw_polygon",
     "preview",
     "test_shot",
+    "live_view",
     "capture",
     "view_images",
     "clean_dataset",
