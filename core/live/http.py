@@ -93,13 +93,13 @@ def _number(name: str, value: Any) -> float:
     return number
 
 
-def application(server: FrameServer, token: str = "") -> web.Application:
+def application(server: FrameServer, token: str | None = None) -> web.Application:
     """Application with the page at ``/``, ``/frame``, ``/camera`` and the WebSocket ``/poses``.
 
     Parameters
     ----------
-    token : str
-        What clients must give, as ``Authorization: Bearer TOKEN`` or ``?token=TOKEN``; empty for none.
+    token : str or None
+        What clients must give, as ``Authorization: Bearer TOKEN`` or ``?token=TOKEN``; none if empty or None.
     """
     page = read_text("live.html")
 
@@ -213,7 +213,7 @@ def _refusal(status: int, text: str, headers: Mapping[str, str] | None = None) -
 
 
 @asynccontextmanager
-async def serve(server: FrameServer, host: str, port: int, token: str = "") -> AsyncIterator[None]:
+async def serve(server: FrameServer, host: str, port: int, token: str | None = None) -> AsyncIterator[None]:
     """Serve HTTP until the end of the block; raises OSError if the port cannot be used."""
     runner = web.AppRunner(application(server, token), access_log=None, shutdown_timeout=1.0)
     await runner.setup()
