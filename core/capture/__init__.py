@@ -15,6 +15,7 @@ In reading order:
 - `uses`: the last image that may need a part
 - `pipeline`: fetch, assemble and write at the same time
 - `records`: the job of an image, and tables of images
+- `cameras`: what the pixels of a dataset mean
 - `writers`: image files
 - `georeference`: georeferences of images
 - `metadata`: metadata of image files

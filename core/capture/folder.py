@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE
 from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..geodesy.contract import CAMERA_FILE
 from ..geodesy.mercator import WebMercator
 from ..limits import MAX_MISSION_BYTES
 from ..map_types import twin_type
@@ -117,7 +118,7 @@ class LocalFolder(CaptureFolder):
         return locked(self.root / JOURNAL_FILE)
 
     def _find_foreign(self, folders: Collection[str]) -> str | None:
-        for name in (JOURNAL_FILE, PLAN_FILE, FOOTPRINTS_FILE, *folders):
+        for name in (JOURNAL_FILE, PLAN_FILE, FOOTPRINTS_FILE, CAMERA_FILE, *folders):
             path = self.root / name
             # A run that was killed at its start leaves an empty journal.
             if path.exists() and not (name == JOURNAL_FILE and path.is_file() and not path.stat().st_size):

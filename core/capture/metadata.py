@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..geodesy.contract import DEGREE_DECIMALS, FIGURE_DIGITS
 from ..geodesy.mercator import wrap_lon_deg
 from ..picture.optics import CameraSettings, Exposure
 from .tiff import HEADER_BYTES, Tag, TagType, directory, header, rational
@@ -26,8 +27,6 @@ from .tiff import HEADER_BYTES, Tag, TagType, directory, header, rational
 #: Program, and maker of the simulated camera; readers turn the angles of cameras from some other makers.
 SOFTWARE = MAKE = "TerrAInav"
 NAMESPACE = "http://pix4d.com/camera/1.0/"
-#: Decimals of degrees: 0.1 mm of ground.
-DEGREE_DECIMALS = 9
 
 
 @dataclass(frozen=True)
@@ -200,8 +199,8 @@ def accuracy(metres: float) -> float:
 
 
 def figure(value: float) -> float:
-    """Round other numbers for files to six significant digits; never -0."""
-    return float(f"{value:.6g}") + 0.0
+    """Round other numbers for files to `FIGURE_DIGITS` significant digits; never -0."""
+    return float(f"{value:.{FIGURE_DIGITS}g}") + 0.0
 
 
 def plain_text(text: str) -> str:

@@ -16,12 +16,13 @@ import numpy as np
 
 from ..arrays import NDArray, Numbers
 from ..geodesy.camera import Camera
+from ..geodesy.contract import DEGREE_DECIMALS
 from ..geodesy.lens import FISHEYE
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
 from ..picture.optics import Optics, camera_body, plan_optics
 from ..storage.files import json_bytes, write_whole
-from .metadata import DEGREE_DECIMALS, MAKE, FocalTags, accuracy, degrees, figure
+from .metadata import MAKE, FocalTags, accuracy, degrees, figure
 
 GEO_FILE = "geo.txt"
 CAMERAS_FILE = "cameras.json"

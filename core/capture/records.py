@@ -16,6 +16,7 @@ from ..dataset.folder import TABLE_FILE
 from ..dataset.table import Table
 from ..errors import Message, PartError
 from ..geodesy.camera import Poses
+from ..geodesy.contract import PIXEL_DECIMALS
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
 from ..labels.label_map import LabelMap
@@ -454,8 +455,8 @@ def write_tables(
 
 
 def _intrinsics(plan: Plan, at: NDArray[np.int64]) -> dict[str, Floats]:
-    """Columns of focal lengths and principal points, rounded to decimals on which all processors agree."""
-    columns = (np.round(values, 6) for values in plan_optics(plan, at)[2:])
+    """Columns of focal lengths and principal points."""
+    columns = (np.round(values, PIXEL_DECIMALS) for values in plan_optics(plan, at)[2:])
     return dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), columns))
 
 

@@ -21,6 +21,7 @@ from ..mission.plan import Plan
 from ..picture.camera_frame import load_code
 from ..storage.stores import is_address, store_path
 from ..waiting import cancellable
+from .cameras import write_cameras
 from .images import CaptureJournal, ImageJournal
 from .journal import FAILED, Outcome
 from .labels import open_labels, write_label_tables
@@ -193,10 +194,12 @@ class CaptureRun:
         self._skipped = self._total - pending
 
     def prepare(self) -> None:
-        """Write the plan, and files that makers need."""
+        """Write the plan and its cameras, and files that makers need."""
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
             self._journal.check()
             write_plan(self._plan, self._journal.root / name)
+        self._journal.check()
+        write_cameras(self._plan, self._journal.root)
         self._maker.prepare()
 
     def make(self) -> bool:

@@ -5,6 +5,7 @@ cells      cells of a CSV table and the numbers in them
 table      read and write ``meta_data.csv``
 stored     images that are objects of a store or ranges of shards
 geotiff    GeoTIFFs with bands other than 8-bit grey or colour
+cameras    what the pixels of an image mean
 dataset    read a dataset: map types, tables, image files
 label_images  class and instance of each pixel
 published  positions and flights in the names of the paper's published data

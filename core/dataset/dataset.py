@@ -21,9 +21,11 @@ from PIL import Image, UnidentifiedImageError
 from ..arrays import NDArray
 from ..bands import Bands
 from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..geodesy.contract import CameraContract
 from ..limits import MAX_IMAGE_FILE_BYTES, MAX_PICTURE_PX, MAX_SETTINGS_BYTES
 from ..storage.files import open_foreign, read_limited
 from ..storage.stores import Address, is_address, list_sizes, store_path
+from .cameras import image_contract
 from .folder import (
     LAYOUTS,
     NAME,
@@ -150,6 +152,10 @@ class ImageSet:
         image = open_image(file, expected_px=self.expected_px(index), as_shown=True)
         mode = image.mode if channels is None else _MODES[channels]
         return np.asarray(image if image.mode == mode else image.convert(mode), np.uint8)
+
+    def contract(self, index: int) -> CameraContract:
+        """What the pixels of a row's image mean; see `image_contract`."""
+        return image_contract(self.table, index)
 
     def expected_px(self, index: int) -> tuple[float, float]:
         """Width and height of a row's image as the table states them, NaN if it does not."""

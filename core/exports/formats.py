@@ -15,8 +15,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InvalidInput
-from ..geodesy.camera import Camera
-from ..geodesy.lens import FISHEYE, PERSPECTIVE
+from ..geodesy.contract import CAMERA_FILE, CameraContract
 from ..geodesy.quaternions import quaternions_from_matrices
 from ..storage.files import json_bytes, make_folder, new_folder, write_whole
 from .views import ORIGIN_FILE, Views, origin_record
@@ -44,6 +43,7 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
         make_folder((path / name).parent)
         write_whole(path / name, text.encode("utf-8"))
     write_whole(path / ORIGIN_FILE, json_bytes(origin_record(views.frame)))
+    write_whole(path / CAMERA_FILE, json_bytes(views.camera_record()))
     return path
 
 
@@ -59,15 +59,15 @@ def colmap(views: Views, _: Path) -> dict[str, str]:
     # Numbered in the order of names, as in COLMAP's database.
     for number, at in enumerate(np.argsort(views.names, kind="stable").tolist(), 1):
         name = views.names[at]
-        model, distortion = _colmap_lens(views.cameras.of(at))
-        pinhole = (float(one[at]) for one in (views.width_px, views.height_px, *views.pinholes))
-        camera = found.setdefault((model, (*pinhole, *distortion)), len(found) + 1)
+        contract = views.contract(at)
+        model, parameters = contract.colmap
+        camera = found.setdefault((model, (contract.width_px, contract.height_px, *parameters)), len(found) + 1)
         shift = -views.rotations[at] @ views.centres_m[at]
         numbers = " ".join(repr(float(one)) for one in (*quaternions[at], *shift))
         # Each image has a second line, for points, which is empty.
         lines.append(f"{number} {numbers} {camera} {name}\n\n")
     cameras = [
-        f"{number} {model} {width:.0f} {height:.0f} {' '.join(map(repr, parameters))}\n"
+        f"{number} {model} {width} {height} {' '.join(map(repr, parameters))}\n"
         for (model, (width, height, *parameters)), number in found.items()
     ]
     extra = ", then distortion" if any(model != "PINHOLE" for model, _ in found) else ""
@@ -76,16 +76,6 @@ def colmap(views: Views, _: Path) -> dict[str, str]:
         "sparse/0/images.txt": "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then POINTS2D\n" + "".join(lines),
         "sparse/0/points3D.txt": "# POINT3D_ID X Y Z R G B ERROR TRACK\n",
     }
-
-
-def _colmap_lens(camera: Camera) -> tuple[str, tuple[float, ...]]:
-    """COLMAP's model of a lens, and its parameters after the pinhole's."""
-    distortion = tuple(camera.coefficients.values())
-    if camera.lens == FISHEYE:
-        return "OPENCV_FISHEYE", distortion
-    if any(distortion[4:]):
-        return "FULL_OPENCV", distortion
-    return ("OPENCV", distortion[:4]) if any(distortion) else ("PINHOLE", ())
 
 
 def nerfstudio(views: Views, path: Path) -> dict[str, str]:
@@ -99,43 +89,33 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
     motion, times = _nerfstudio_motion(views, opengl)
     frames = []
     for at, name in enumerate(views.names):
-        pose = np.eye(4)
+        contract, pose = views.contract(at), np.eye(4)
         pose[:3, :3] = views.rotations[at].T @ opengl
         pose[:3, 3] = views.centres_m[at]
         frames.append(
             {
                 "file_path": Path(os.path.relpath(views.folder / name, path)).as_posix(),
-                "w": int(views.width_px[at]),
-                "h": int(views.height_px[at]),
-                "fl_x": float(views.fx_px[at]),
-                "fl_y": float(views.fy_px[at]),
-                "cx": float(views.cx_px[at]),
-                "cy": float(views.cy_px[at]),
-                **(_nerfstudio_lens(views.cameras.of(at)) if views.cameras.vary else {}),
+                "w": contract.width_px,
+                "h": contract.height_px,
+                "fl_x": contract.fx_px,
+                "fl_y": contract.fy_px,
+                "cx": contract.cx_px,
+                "cy": contract.cy_px,
+                **(_coefficients(contract) if views.cameras.vary else {}),
                 "transform_matrix": pose.tolist(),
                 **{name: values[at] for name, values in motion.items()},
             }
         )
-    model = "OPENCV_FISHEYE" if views.cameras.of(0).lens == FISHEYE else "OPENCV"
+    first = views.contract(0)
     # What stands here holds for all frames, whatever they state.
-    lens = {} if views.cameras.vary else _nerfstudio_lens(views.cameras.of(0))
-    document = {"camera_model": model, **lens, **times, "frames": frames}
+    lens = {} if views.cameras.vary else _coefficients(first)
+    document = {"camera_model": first.nerfstudio["camera_model"], **lens, **times, "frames": frames}
     return {"transforms.json": json.dumps(document, indent=1) + "\n"}
 
 
-def _nerfstudio_lens(camera: Camera) -> dict[str, float]:
+def _coefficients(contract: CameraContract) -> dict[str, float]:
     """Nerfstudio's coefficients of a lens."""
-    if camera.lens == PERSPECTIVE and any((camera.k4, camera.k5, camera.k6)):
-        raise InvalidInput(
-            "lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has",
-            camera.k4,
-            camera.k5,
-            camera.k6,
-            field="k4",
-        )
-    names = ("k1", "k2", "k3", "k4") if camera.lens == FISHEYE else ("k1", "k2", "k3", "p1", "p2")
-    # Nerfstudio takes k3 for 0 unless it is given.
-    return {name: getattr(camera, name) for name in names if name != "k3" or camera.k3}
+    return {name: value for name, value in contract.nerfstudio.items() if name != "camera_model"}
 
 
 def _nerfstudio_motion(views: Views, opengl: Floats) -> tuple[dict[str, list[Any]], dict[str, float]]:

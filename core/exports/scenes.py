@@ -12,6 +12,7 @@ from ..arrays import Bytes, Flags, Floats
 from ..benchmark.folder import Benchmark
 from ..errors import InvalidInput
 from ..geodesy.accuracy import ImageGeometry
+from ..geodesy.contract import CameraContract
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.local import LocalFrame
 from ..geodesy.raytracing.surface import Surface
@@ -121,13 +122,8 @@ class SceneGround:
     def camera(self, index: int, frame: LocalFrame) -> QueryCamera:
         """Camera of a query."""
         one = self.benchmark.queries.take(np.array([index]))
-        k = np.array(
-            [
-                [one.fx_px[0], 0.0, one.cx_px[0] - 0.5],
-                [0.0, one.fy_px[0], one.cy_px[0] - 0.5],
-                [0.0, 0.0, 1.0],
-            ]
-        )
+        numbers = (one.width_px, one.height_px, one.fx_px, one.fy_px, one.cx_px, one.cy_px)
+        k = CameraContract(*(values[0] for values in numbers)).k
         rotation = camera_rotations(frame, one.lat_deg, one.lon_deg, *one.poses.attitude)[0]
         return QueryCamera(k, rotation, frame.enu(one.lat_deg, one.lon_deg, one.height_m)[0])
 

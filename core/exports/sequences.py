@@ -22,7 +22,7 @@ from ..arrays import Floats, NDArray, Numbers
 from ..dataset.dataset import ImageSet, open_bands, read_dataset
 from ..dataset.entropy import Report
 from ..errors import InvalidInput, OutputError
-from ..geodesy.contract import CameraContract
+from ..geodesy.contract import CAMERA_FILE, CameraContract
 from ..geodesy.lens import FISHEYE
 from ..geodesy.quaternions import quaternions_from_matrices, rotation_matrices
 from ..sequences.files import (
@@ -68,24 +68,17 @@ class RecordedSequence:
         Raises
         ------
         InvalidInput
-            The folder holds no sequence or no frames, or frames of several sizes.
+            The folder holds no sequence or no frames, or frames of several cameras.
         """
         record = SequenceRecord.read(folder)
         dataset = read_dataset(folder)
         images = dataset.image_set(map_type or next(iter(dataset.image_sets)))
-        contract = CameraContract.from_json(record.camera())
         views = Views.read(folder, images.map_type)
         if views.times_s is None:
             raise InvalidInput("folder {0}: its frames have no times", images.folder)
-        wrong = np.flatnonzero((views.width_px != contract.width_px) | (views.height_px != contract.height_px))
-        if len(wrong):
-            raise InvalidInput(
-                "frame {0}: has another size than the camera's {1} x {2}",
-                views.names[wrong[0]],
-                contract.width_px,
-                contract.height_px,
-            )
-        return cls(record, images, views, contract)
+        if len({*views.contracts}) > 1:
+            raise InvalidInput("folder {0}: its frames have several cameras, and a sequence has one", images.folder)
+        return cls(record, images, views, views.contracts[0])
 
     @cached_property
     def stamps_ns(self) -> Numbers:
@@ -153,6 +146,7 @@ def write_sequence(
     with partial_folder(target) as root:
         WRITERS[kind](found, root, progress)
         write_whole(root / ORIGIN_FILE, json_bytes(origin_record(found.views.frame)))
+        write_whole(root / CAMERA_FILE, json_bytes(found.contract.to_json()))
     return len(found.views)
 
 

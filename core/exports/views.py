@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ..dataset.labels import middle_position
 from ..dataset.table import Table, unix_seconds, usable_rows
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import Poses, image_axes
+from ..geodesy.contract import CONVENTIONS, SCHEMA, CameraContract
 from ..geodesy.local import LocalFrame
 from ..mission.flight.rates import Rates
 from ..mission.lenses import CaptureCameras
@@ -109,6 +110,24 @@ class Views:
     def pinholes(self) -> tuple[Floats, Floats, Floats, Floats]:
         """Focal lengths and principal points, (n,) each."""
         return self.fx_px, self.fy_px, self.cx_px, self.cy_px
+
+    def contract(self, index: int) -> CameraContract:
+        """What the pixels of an image mean."""
+        size_px = int(self.width_px[index]), int(self.height_px[index])
+        fx, fy, cx, cy = (float(lengths[index]) for lengths in self.pinholes)
+        return CameraContract.of_lens(self.cameras.of(index), size_px, (fx, fy), (cx, cy))
+
+    @cached_property
+    def contracts(self) -> tuple[CameraContract, ...]:
+        """Contracts of all images as files state them."""
+        return tuple(self.contract(index).rounded for index in range(len(self)))
+
+    def camera_record(self) -> dict[str, Any]:
+        """Content of `CAMERA_FILE` for an export, JSON-ready: intrinsics of all images or, if they differ, of each."""
+        if len({*self.contracts}) == 1:
+            return self.contracts[0].to_json()
+        images = {name: one.intrinsics for name, one in zip(self.names, self.contracts)}
+        return {"schema": SCHEMA, **CONVENTIONS, "images": images}
 
     @cached_property
     def frame(self) -> LocalFrame:

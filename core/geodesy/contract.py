@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +14,16 @@ from .lens import FISHEYE, PERSPECTIVE, Lens
 
 #: Version of the JSON form.
 SCHEMA = 1
+#: File of the JSON form in datasets, sequences and exports.
+CAMERA_FILE = "camera.json"
+#: Decimals of focal lengths and principal points in files, on which all processors agree.
+PIXEL_DECIMALS = 6
+#: Decimals of degrees in the metadata of images, 0.1 mm of ground, and significant digits of its other numbers.
+DEGREE_DECIMALS, FIGURE_DIGITS = 9, 6
 #: What holds for all pictures, JSON-ready.
 CONVENTIONS: Mapping[str, Any] = {
     "pixels": {"origin": "upper left corner", "centre_of_the_first": [0.5, 0.5], "unit": "px"},
+    "lenses": {PERSPECTIVE: "as in cv2.projectPoints", FISHEYE: "as in cv2.fisheye.projectPoints"},
     "optical_axes": ["right", "down", "view"],
     "pose": {
         "position": ["lat_deg", "lon_deg", "height_m"],
@@ -30,6 +37,11 @@ CONVENTIONS: Mapping[str, Any] = {
     },
     "depth": {"kind": "along the view", "unit": "m", "without_ground": "NaN"},
     "time": {"base": "UTC", "epoch": "1970-01-01T00:00:00Z", "unit": "s"},
+    "digits": {
+        "intrinsics": {"decimals": PIXEL_DECIMALS},
+        "poses": "float64, in the fewest digits that give the same number back",
+        "metadata_of_images": {"decimals_of_degrees": DEGREE_DECIMALS, "significant_of_others": FIGURE_DIGITS},
+    },
 }
 
 
@@ -64,9 +76,14 @@ class CameraContract:
         cls, lens: Lens, size_px: tuple[int, int], focal_px: tuple[float, float], centre_px: tuple[float, float]
     ) -> CameraContract:
         """Contract of a picture that a lens makes."""
-        coefficients = lens.coefficients
-        has_distortion = lens.lens == FISHEYE or any(coefficients.values())
-        return cls(*size_px, *focal_px, *centre_px, lens.lens, tuple(coefficients.items()) if has_distortion else ())
+        return cls(*size_px, *focal_px, *centre_px, lens.lens, stated_distortion(lens.lens, lens.coefficients))
+
+    @property
+    def rounded(self) -> CameraContract:
+        """The same as files state it, with `PIXEL_DECIMALS`."""
+        lengths = np.array([self.fx_px, self.fy_px, self.cx_px, self.cy_px])
+        fx, fy, cx, cy = np.round(lengths, PIXEL_DECIMALS).tolist()
+        return replace(self, fx_px=fx, fy_px=fy, cx_px=cx, cy_px=cy)
 
     @property
     def coefficients(self) -> tuple[float, ...]:
@@ -106,7 +123,7 @@ class CameraContract:
                     *rational,
                     field="k4",
                 )
-            values = {name: values.get(name, 0.0) for name in ("k1", "k2", "p1", "p2", "k3")}
+            values = {name: values.get(name, 0.0) for name in ("k1", "k2", "k3", "p1", "p2")}
         model = "OPENCV_FISHEYE" if self.lens == FISHEYE else "OPENCV"
         # Nerfstudio takes k3 for 0 unless it is given.
         return {"camera_model": model, **{name: value for name, value in values.items() if name != "k3" or value}}
@@ -168,3 +185,8 @@ class CameraContract:
             return cls(width, height, fx, fy, cx, cy, str(data["lens"]), distortion)
         except (KeyError, TypeError, ValueError, AttributeError) as wrong:
             raise InvalidInput("camera contract: lacks or misstates {0}", wrong) from wrong
+
+
+def stated_distortion(lens: str, coefficients: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
+    """Coefficients by name in OpenCV's order; none for a perspective lens without distortion."""
+    return tuple(coefficients.items()) if lens == FISHEYE or any(coefficients.values()) else ()

@@ -23,6 +23,11 @@ _DISTORTION = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "principal_x", "p
 LENS_FIELDS = ("lens", *_DISTORTION, "red_scale", "blue_scale")
 #: Kinds of lenses.
 LENSES = PERSPECTIVE, FISHEYE = ("perspective", "fisheye")
+#: Coefficients that each kind has, in OpenCV's order.
+COEFFICIENTS = {
+    PERSPECTIVE: ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
+    FISHEYE: ("k1", "k2", "k3", "k4"),
+}
 
 
 @dataclass(frozen=True)
@@ -271,8 +276,7 @@ class Lens(CheckedFields):
     @property
     def coefficients(self) -> dict[str, float]:
         """Coefficients that this kind of lens has, by name, in OpenCV's order."""
-        others = ("k3", "k4") if self.lens == FISHEYE else ("p1", "p2", "k3", "k4", "k5", "k6")
-        return {name: getattr(self, name) for name in ("k1", "k2", *others)}
+        return {name: getattr(self, name) for name in COEFFICIENTS[self.lens]}
 
     @property
     def half_tangents(self) -> tuple[float, float]:

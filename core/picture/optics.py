@@ -19,7 +19,7 @@ import numpy as np
 
 from ..arrays import Floats, NDArray
 from ..geodesy.camera import Camera
-from ..geodesy.contract import CameraContract
+from ..geodesy.contract import PIXEL_DECIMALS, CameraContract
 from ..geodesy.frames import in_image, swapped
 from ..mission.cameras import shipped_cameras
 from ..mission.parts import BY_ISO, BY_TIME, utc_time
@@ -106,10 +106,16 @@ def plan_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
 
 def plan_contract(plan: Plan, index: int) -> CameraContract:
     """Contract of a plan's picture as written."""
-    width, height, *lengths = (float(values[0]) for values in plan_optics(plan, np.array([index])))
-    # Decimals on which all processors agree.
-    fx, fy, cx, cy = (round(length, 6) for length in lengths)
-    return CameraContract.of_lens(plan.camera(index), (int(width), int(height)), (fx, fy), (cx, cy))
+    width, height, fx, fy, cx, cy = (float(values[0]) for values in plan_optics(plan, np.array([index])))
+    return CameraContract.of_lens(plan.camera(index), (int(width), int(height)), (fx, fy), (cx, cy)).rounded
+
+
+def shared_contract(plan: Plan) -> CameraContract | None:
+    """Contract of a plan's pictures; None if they have several."""
+    stated = np.round(plan_optics(plan, np.arange(len(plan))), PIXEL_DECIMALS)
+    if len(plan.cameras.distinct) > 1 or (stated != stated[:, :1]).any():
+        return None
+    return plan_contract(plan, 0)
 
 
 def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:

@@ -6,7 +6,6 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from ..limits import MAX_SETTINGS_BYTES, MAX_TABLE_BYTES
 from ..storage.files import csv_bytes, read_limited, write_whole
 from ..text.safe_json import decoded, parse_json
 
-SEQUENCE_FILE, CAMERA_FILE = "sequence.json", "camera.json"
+SEQUENCE_FILE = "sequence.json"
 #: Version of the sequence's file.
 SCHEMA = 1
 #: Rows written at a time.
@@ -134,10 +133,3 @@ class SequenceRecord:
     def table(self, name: str) -> tuple[Numbers, Floats]:
         """Read one of `TABLES`; see `read_table`."""
         return read_table(self.folder, name)
-
-    def camera(self) -> Any:
-        """Camera contract in JSON form, as in `CAMERA_FILE`; raises InvalidInput."""
-        try:
-            return parse_json(read_limited(self.folder / CAMERA_FILE, MAX_SETTINGS_BYTES))
-        except OSError as wrong:
-            raise InvalidInput("camera {0}: cannot be read ({1})", self.folder / CAMERA_FILE, wrong) from wrong

@@ -24,13 +24,11 @@ from ..mission.flight.path import CAPTURE, FlightPath
 from ..mission.mission import Mission
 from ..mission.parts import BY_TIME, ELLIPSOID, IDEAL, Attitude, Flight, Route, utc_time
 from ..mission.plan import Plan
-from ..picture.optics import plan_contract
 from ..poses.settings import Sensors
 from ..poses.track import ANGLE_DIGITS, PLACE_DIGITS, Track
 from ..storage.files import json_bytes, write_whole
 from .files import (
     BAROMETER_FILE,
-    CAMERA_FILE,
     GNSS_FILE,
     INERTIAL_FILE,
     MAGNETOMETER_FILE,
@@ -176,7 +174,6 @@ class Sequence:
         columns = ((lat, 11), (lon, 11), (height, 6), (speed, 9), (turned, 12), *((bias, 12) for bias in biases))
         write_table(root, TRAJECTORY_FILE, stamps, *columns)
         self._write_priors(root)
-        write_whole(root / CAMERA_FILE, json_bytes(plan_contract(frames, 0).to_json()))
         write_whole(root / SEQUENCE_FILE, json_bytes(self.to_json(len(frames), flight)))
 
     def _write_priors(self, root: Path) -> None:

@@ -19,6 +19,7 @@ from ...arrays import NDArray
 from ...bands import Bands
 from ...errors import InvalidInput, Message, OptionName, OutputError
 from ...external.importing import imported
+from ...geodesy.contract import CameraContract
 from ...labels.classes import ClassTable
 from ...numbers import real_number
 from ...storage.stores import Address, is_address, is_file
@@ -225,6 +226,10 @@ class LabelledImages:
         if self._cache is None or not isinstance(found, StoredImage):
             return found
         return replace(found, copy=self._cache.copy(found.place.name))
+
+    def contract(self, index: int) -> CameraContract:
+        """What the pixels of an image mean before it is resized or augmented; see `image_contract`."""
+        return self.images.contract(int(self._rows[index]))
 
     def order(self, epoch: int = 0) -> NDArray[np.int64]:
         """Indices (n,) in the order of an epoch, which depends on seed and table only.

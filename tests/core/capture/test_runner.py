@@ -78,7 +78,7 @@ def test_every_picture_is_there_and_each_part_was_fetched_once(in_one_go):
         assert {path.name for path in (folder / map_type).iterdir()} == {f"{name}.tif" for name in worked_out.names} | {
             "meta_data.csv"
         }
-    files = {"mission.json", "begun.json", "plan.csv", "footprints.geojson", "journal.jsonl"}
+    files = {"mission.json", "begun.json", "plan.csv", "footprints.geojson", "camera.json", "journal.jsonl"}
     assert {path.name for path in folder.iterdir()} == files | set(MISSION.imagery.map_types)
 
 
@@ -514,7 +514,7 @@ def test_the_same_mission_planned_at_another_zoom_is_left_alone(tmp_path):
     assert contents(tmp_path) == before
 
 
-@pytest.mark.parametrize("name", ["journal.jsonl", "plan.csv", "footprints.geojson", "satellite"])
+@pytest.mark.parametrize("name", ["journal.jsonl", "plan.csv", "footprints.geojson", "camera.json", "satellite"])
 def test_foreign_files_in_our_places_are_left_alone(tmp_path, name):
     (tmp_path / name).write_text("mine")
     with pytest.raises(OutputError, match=f"holds {name} but no mission.json"):
