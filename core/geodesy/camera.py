@@ -13,7 +13,7 @@ from ..arrays import Floats, NDArray
 from ..errors import InvalidInput
 from .distortion import BrownConrady, FisheyeLens, PerspectiveLens
 from .ellipsoid import arctan2, sin_cos
-from .lens import FISHEYE, Lens
+from .lens import COEFFICIENTS, FISHEYE, PERSPECTIVE, Lens
 
 #: Image coordinates (right, up), each -1..1, of a north-up camera's corners north-west, north-east, south-east,
 #: south-west.
@@ -34,9 +34,9 @@ class Camera(Lens):
         """Check every field, and that the distortion does not fold the image."""
         super().__post_init__()
         if self.distorts:
-            if self.lens == FISHEYE and any((self.k5, self.k6, self.p1, self.p2)):
-                name = next(one for one in ("k5", "k6", "p1", "p2") if getattr(self, one) != 0.0)
-                raise InvalidInput("{0} {1:g}: a fisheye has k1 to k4 only", name, getattr(self, name), field=name)
+            for name in COEFFICIENTS[PERSPECTIVE]:
+                if name not in COEFFICIENTS[self.lens] and getattr(self, name) != 0.0:
+                    raise InvalidInput("{0} {1:g}: a fisheye has k1 to k4 only", name, getattr(self, name), field=name)
             _ = self._distortion
 
     @cached_property

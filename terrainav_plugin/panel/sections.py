@@ -5,14 +5,14 @@ from __future__ import annotations
 import html
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QRect, Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QCompleter, QLabel, QLineEdit, QMenu, QWidget
+from qgis.PyQt.QtWidgets import QCompleter, QFormLayout, QLabel, QLineEdit, QMenu, QWidget
 
 from ...core.fields import declared_fields
-from ...core.geodesy.lens import LENS_FIELDS
+from ...core.geodesy.lens import COEFFICIENTS, LENS_FIELDS, PERSPECTIVE
 from ...core.mission.parts import (
     BY_ISO,
     BY_TIME,
@@ -44,6 +44,7 @@ from ..widgets import (
     push_button,
     row,
     short_number,
+    show_row,
     spin,
     tick,
     tool_button,
@@ -362,6 +363,14 @@ class LabelsSection(Section):
         show()
 
 
+class _Block(NamedTuple):
+    """Rows that are shown and hidden together: what holds them, their form, and the widgets of the rows by field."""
+
+    holder: QWidget
+    form: QFormLayout
+    rows: dict[str, QWidget]
+
+
 class RealismSection(Section):
     """Effects of a real camera, by kind of camera and part by part; none by default."""
 
@@ -393,16 +402,15 @@ class RealismSection(Section):
         super().enter(state)
         self._show_rows()
 
-    def _block(self, names: Sequence[str]) -> QWidget:
-        """Add the entries of fields that are shown and hidden together; return what holds them."""
-        block, outer = QWidget(), self._form
-        block.setProperty(KEYLESS, True)
-        self._form = form_layout(block)
+    def _block(self, names: Sequence[str]) -> _Block:
+        """Add the entries of fields that are shown and hidden together."""
+        holder, outer = QWidget(), self._form
+        holder.setProperty(KEYLESS, True)
+        self._form = form_layout(holder)
         self._form.setContentsMargins(0, 0, 0, 0)
-        for name in names:
-            self.add_declared(name)
+        block = _Block(holder, self._form, {name: self.add_declared(name) for name in names})
         self._form = outer
-        outer.addRow(block)
+        outer.addRow(holder)
         return block
 
     def _show_rows(self, *_: object) -> None:
@@ -417,13 +425,13 @@ class RealismSection(Section):
             "highest_iso": exposure == BY_ISO,
             **dict.fromkeys(("bayer", "demosaicing"), bool(sensor)),
         }
-        for name, field in self._rows.items():
-            self.show_row(field, applies.get(name, True) or values[name] != getattr(usual, name))
-        for block, names, is_on in (
-            (self._coefficients, LENS_FIELDS[1:], self.distortion.isChecked()),
-            (self._figures, _FIGURES, sensor == CUSTOM),
-        ):
-            block.setVisible(is_on or any(values[name] != getattr(usual, name) for name in names))
+        applies.update((name, name in COEFFICIENTS[values["lens"]]) for name in COEFFICIENTS[PERSPECTIVE])
+        changed = {name for name in values if values[name] != getattr(usual, name)}
+        for form, rows in ((self._form, self._rows), self._coefficients[1:]):
+            for name, field in rows.items():
+                show_row(form, field, applies.get(name, True) or name in changed)
+        for block, is_on in ((self._coefficients, self.distortion.isChecked()), (self._figures, sensor == CUSTOM)):
+            block.holder.setVisible(is_on or not changed.isdisjoint(block.rows))
 
 
 def _entry(name: str) -> QWidget:

@@ -132,6 +132,27 @@ def test_rows_are_shown_for_what_is_chosen(desk, section):
     desk.form.set_state(FormState())
 
 
+def test_a_fisheye_has_no_rows_for_what_only_other_lenses_have(desk, section, screenshot):
+    entries, only_perspective = section.entries, ("k5", "k6", "p1", "p2")
+    section.distortion.setChecked(True)
+    assert all(entries[name].isVisible() for name in only_perspective)
+    entries["p1"].setValue(0.01)
+    choose_data(entries["lens"], "fisheye")
+    assert [name for name in only_perspective if entries[name].isVisible()] == ["p1"]
+    desk.wait(lambda: "a fisheye has k1 to k4 only" in desk.form.marks.message("p1"))
+    entries["p1"].setValue(0.0)
+    assert not any(entries[name].isVisible() for name in only_perspective)
+    labels = {label.text() for label in section.findChildren(QLabel) if label.isVisible()}
+    assert any("k4" in text for text in labels)
+    assert not any(name in text for name in only_perspective for text in labels)
+    assert all(entries[name].isVisible() for name in ("k1", "k2", "k3", "k4", "principal_x", "red_scale"))
+    screenshot("realism-fisheye")
+    choose_data(entries["lens"], "perspective")
+    assert all(entries[name].isVisible() for name in only_perspective)
+    section.distortion.setChecked(False)
+    desk.form.set_state(FormState())
+
+
 def test_every_image_sensor_is_listed_by_a_click(desk, section):
     line = section.entries["image_sensor"]
     line.setText("FRAMOS IMX900 low gain")
