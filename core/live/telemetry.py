@@ -69,7 +69,7 @@ class Telemetry:
             if found != self._origin:
                 self._origin, self.is_fine = found, False
                 self._local.clear()
-        elif is_dated(np.float64(message.time_unix_usec / 1e6)):
+        elif is_dated(np.array([message.time_unix_usec / 1e6]))[0]:
             self._boot_us = message.time_unix_usec - 1000 * message.time_boot_ms
 
     def _add_global(self, message: Any, now_s: float) -> None:
