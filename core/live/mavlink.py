@@ -67,8 +67,6 @@ class CameraComponent:
         Where photographs are written.
     send : callable
         Sends bytes to all clients.
-    stream : str
-        Address of the camera's video stream, if there is one.
     sea_level_m : float
         Height of the vehicle's sea level above the ellipsoid.
     clock : callable
@@ -81,11 +79,10 @@ class CameraComponent:
         folder: Path,
         send: Callable[[bytes], None],
         *,
-        stream: str = "",
         sea_level_m: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self.server, self.folder, self.stream = server, folder, stream
+        self.server, self.folder = server, folder
         self.write, self._sea_level_m, self._clock = send, sea_level_m, clock
         self.track = PoseTrack()
         self._telemetry = Telemetry(self.track)
@@ -113,16 +110,15 @@ class CameraComponent:
             ),
             protocol.MAVLINK_MSG_ID_STORAGE_INFORMATION: self._send_storage,
             protocol.MAVLINK_MSG_ID_CAMERA_CAPTURE_STATUS: self._send_status,
+            protocol.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION: self._send_stream,
+            protocol.MAVLINK_MSG_ID_VIDEO_STREAM_STATUS: lambda: self.mav.video_stream_status_send(
+                1, *self._stream_figures()
+            ),
             protocol.MAVLINK_MSG_ID_GIMBAL_MANAGER_INFORMATION: self._send_gimbal,
             protocol.MAVLINK_MSG_ID_GIMBAL_MANAGER_STATUS: self._send_gimbal_status,
             protocol.MAVLINK_MSG_ID_GIMBAL_DEVICE_INFORMATION: self._send_gimbal_device,
             protocol.MAVLINK_MSG_ID_GIMBAL_DEVICE_ATTITUDE_STATUS: self._send_gimbal_attitude,
         }
-        if stream:
-            self._messages[protocol.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION] = self._send_stream
-            self._messages[protocol.MAVLINK_MSG_ID_VIDEO_STREAM_STATUS] = lambda: self.mav.video_stream_status_send(
-                1, *self._stream_figures()
-            )
 
     def request(self) -> FrameRequest:
         """Request for the frame of the vehicle's last pose; raises InvalidInput without one."""
@@ -293,7 +289,7 @@ class CameraComponent:
                 return _DENIED
             send: Callable[[], None] | None = partial(self.mav.send, found)
         else:
-            send = self._messages.get(number)
+            send = self._sender(number)
         if send is None:
             return _UNSUPPORTED
         asyncio.get_running_loop().call_soon(send)
@@ -305,7 +301,7 @@ class CameraComponent:
     def _send_camera(self) -> None:
         contract = self.server.camera.contract
         flags = protocol.CAMERA_CAP_FLAGS_CAPTURE_IMAGE
-        if self.stream:
+        if self.server.video:
             flags |= protocol.CAMERA_CAP_FLAGS_HAS_VIDEO_STREAM
         self.mav.camera_information_send(
             self._boot_ms(),
@@ -325,11 +321,16 @@ class CameraComponent:
 
     def _send_state(self) -> None:
         for number in _STATE:
-            if number in self._messages:
-                self._messages[number]()
+            send = self._sender(number)
+            if send is not None:
+                send()
+
+    def _sender(self, number: int) -> Callable[[], None] | None:
+        """What sends a message; None for one that the camera lacks."""
+        return None if number in _OF_VIDEO and not self.server.video else self._messages.get(number)
 
     def _send_stream(self) -> None:
-        name, address, kind = b"TerrAInav", self.stream.encode(), protocol.VIDEO_STREAM_TYPE_RTSP
+        name, address, kind = b"TerrAInav", self.server.video.encode(), protocol.VIDEO_STREAM_TYPE_RTSP
         figures, encoding = self._stream_figures(), protocol.VIDEO_STREAM_ENCODING_H264
         self.mav.video_stream_information_send(1, 1, kind, *figures, name, address, encoding)
 
@@ -438,6 +439,8 @@ class _Interval(NamedTuple):
 
 #: Messages that ask for something.
 _ORDERS = ("COMMAND_LONG", "COMMAND_INT", "GIMBAL_MANAGER_SET_PITCHYAW")
+#: Messages of video streams.
+_OF_VIDEO = (protocol.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, protocol.MAVLINK_MSG_ID_VIDEO_STREAM_STATUS)
 #: Messages that some clients do not ask for, or late.
 _STATE = (
     protocol.MAVLINK_MSG_ID_CAMERA_SETTINGS,
@@ -467,7 +470,7 @@ def _written(server: FrameServer, asked: FrameRequest, path: Path) -> bool:
 
 @asynccontextmanager
 async def serve(
-    server: FrameServer, address: str, folder: Path, *, stream: str = "", sea_level_m: float = 0.0
+    server: FrameServer, address: str, folder: Path, *, sea_level_m: float = 0.0
 ) -> AsyncIterator[CameraComponent]:
     """Be a vehicle's camera until the end of the block.
 
@@ -489,7 +492,7 @@ async def serve(
     """
     async with open_link(address) as link:
         make_folder(folder)
-        component = CameraComponent(server, folder, link.send, stream=stream, sea_level_m=sea_level_m)
+        component = CameraComponent(server, folder, link.send, sea_level_m=sea_level_m)
         link.receive = component.receive
         component.announce()
         try:

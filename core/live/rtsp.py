@@ -104,10 +104,11 @@ async def serve(server: FrameServer, host: str, port: int) -> AsyncIterator[None
                     streaming.push(await server.frame(request, wait_s=period_s))
             await asyncio.sleep(max(begun_s + period_s - loop.time(), 0.0))
 
-    task = asyncio.ensure_future(stream())
+    task, server.video = asyncio.ensure_future(stream()), f"rtsp://{host}:{port}{PATH}"
     try:
         yield
     finally:
         task.cancel()
+        server.video = ""
         await asyncio.gather(task, return_exceptions=True)
         streaming.close()

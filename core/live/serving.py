@@ -42,12 +42,15 @@ class FrameServer:
     ----------
     followed : callable
         Request for the frame of a vehicle's last pose; raises InvalidInput without one.
+    video : str
+        Address of the video stream; empty without one.
     """
 
     def __init__(self, camera: LiveCamera, workers: int = 1, most_waiting: int = WAITING) -> None:
         self.camera, self.real_time = camera, RealTime(camera)
         self._most_waiting, self._workers, self._under_way = most_waiting, workers, 0
         self.followed: Callable[[], FrameRequest] = _follow_nothing
+        self.video = ""
         self._pool = ThreadPoolExecutor(workers, "terrainav-frames")
 
     async def frame(self, request: FrameRequest, wait_s: float | None = None) -> LiveFrame:
