@@ -9329,6 +9329,21 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/cameras.py"/>
+        <source>image {0}: has lens {1!r}, and must have one of {2}</source>
+        <translation>imagen {0}: tiene el objetivo {1!r} y debe tener uno de {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/cameras.py"/>
+        <source>image {0}: has {1} {2!r}, not a number</source>
+        <translation>imagen {0}: tiene {1} {2!r}, que no es un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/cameras.py"/>
+        <source>image {0}: the table does not state its {1}</source>
+        <translation>imagen {0}: la tabla no indica su {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/cells.py"/>
         <source>has {0} cells, not {1}</source>
         <translation>tiene {0} celdas, no {1}</translation>
@@ -10177,12 +10192,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <translation>formato {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
-        <location filename="../../core/exports/formats.py"/>
-        <location filename="../../core/geodesy/contract.py"/>
-        <source>lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has</source>
-        <translation>objetivo con k4 {0:g}, k5 {1:g} y k6 {2:g}: nerfstudio no tiene ese objetivo, y COLMAP sí</translation>
-    </message>
-    <message>
         <location filename="../../core/exports/huggingface.py"/>
         <source>map type {0!r}: has no image to export</source>
         <translation>tipo de mapa {0!r}: no tiene imágenes que exportar</translation>
@@ -10291,8 +10300,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/exports/sequences.py"/>
-        <source>frame {0}: has another size than the camera's {1} x {2}</source>
-        <translation>fotograma {0}: tiene otro tamaño que el de la cámara, {1} x {2}</translation>
+        <source>folder {0}: its frames have several cameras, and a sequence has one</source>
+        <translation>carpeta {0}: sus fotogramas tienen varias cámaras, y una secuencia tiene una</translation>
     </message>
     <message>
         <location filename="../../core/exports/sequences.py"/>
@@ -10665,6 +10674,11 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/geodesy/contract.py"/>
         <source>camera contract: lacks or misstates {0}</source>
         <translation>contrato de cámara: falta {0} o es incorrecto</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/contract.py"/>
+        <source>lens with k4 {0:g}, k5 {1:g} and k6 {2:g}: nerfstudio has no such lens, and COLMAP has</source>
+        <translation>objetivo con k4 {0:g}, k5 {1:g} y k6 {2:g}: nerfstudio no tiene ese objetivo, y COLMAP sí</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/distortion.py"/>
@@ -18038,11 +18052,6 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
         <location filename="../../core/report/sharpness.py"/>
         <source>edge {0:.1f} px from the image's side: must be 2 px or more</source>
         <translation>borde a {0:.1f} px del lado de la imagen: debe ser 2 px o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/sequences/files.py"/>
-        <source>camera {0}: cannot be read ({1})</source>
-        <translation>cámara {0}: no se puede leer ({1})</translation>
     </message>
     <message>
         <location filename="../../core/sequences/files.py"/>
