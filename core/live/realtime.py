@@ -24,6 +24,8 @@ from .camera import FrameRequest, LiveCamera, LiveFrame, Prepared
 _AHEAD_S, _LOOK_S = (0.5, 1.0, 1.5, 2.0, 3.0), 0.25
 #: Seconds of poses that give a velocity, and the least of them; faster poses are jumps, metres per second.
 _TRACK_S, _LEAST_TRACK_S, _FASTEST_M_S = 1.0, 0.05, 300.0
+#: Seconds until relief is tried again that took too long.
+_RETRY_S = 1.0
 #: Threads that read heights and trace rays for frames with a deadline.
 _THREADS = 4
 
@@ -101,6 +103,8 @@ class RealTime:
         self._level_m = camera.mission.flight.ground_height_m
         # Seconds expected from tiles to the file, and from a pose to the tiles of level ground.
         self._drawing_s, self._levelling_s = 0.0, 0.0
+        # Seconds that relief took last, and when it was tried last.
+        self._tracing_s, self._tried_s = 0.0, -math.inf
 
     def frame(
         self,
@@ -155,20 +159,28 @@ class RealTime:
         """Prepare a frame in time: over level ground if relief takes too long, or its heights cannot be had."""
         if self.camera.heights is None:
             return self.camera.prepare(request)
+        left_s = due_s - self.clock() - self._drawing_s - self._levelling_s
+        is_hopeless = self._tracing_s > left_s and self.clock() - self._tried_s < _RETRY_S
         # One that is behind goes on reading heights that later frames need; two would take turns.
-        if self._behind is None or self._behind.done():
-            preparing = self._pool.submit(self.camera.prepare, request)
-            wait((preparing,), max(due_s - self.clock() - self._drawing_s - self._levelling_s, 0.0))
+        if not is_hopeless and (self._behind is None or self._behind.done()):
+            self._tried_s = self.clock()
+            preparing = self._behind = self._pool.submit(self._traced, request)
+            wait((preparing,), max(left_s, 0.0) if self._tracing_s <= left_s else 0.0)
             if preparing.done():
                 with suppress(PartError, SourceError):
-                    prepared = preparing.result()
-                    self._level_m = float(prepared.plan.ground_m[0])
-                    return prepared
-            self._behind = preparing
+                    return preparing.result()
         begun_s = self.clock()
         levelled = self.camera.prepare(request, self._level_m)
         self._levelling_s = _expected(self._levelling_s, self.clock() - begun_s)
         return levelled
+
+    def _traced(self, request: FrameRequest) -> Prepared:
+        """Prepare a frame over relief."""
+        begun_s = self.clock()
+        prepared = self.camera.prepare(request)
+        self._tracing_s = self.clock() - begun_s
+        self._level_m = float(prepared.plan.ground_m[0])
+        return prepared
 
     def _look_ahead(self, recent: RecentPoses, request: FrameRequest, parts: Sequence[Part]) -> None:
         """Begin to fetch the tiles that frames will show soon."""

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from terrainav.core.errors import PartError, SourceError
 from terrainav.core.imagery.entry import shipped_entry
+from terrainav.core.imagery.opening import named_source
 from terrainav.core.imagery.policy import Policy, TermsError
 from terrainav.core.live.encoding import encode
 from terrainav.core.live.realtime import RealTime, RecentPoses
@@ -159,6 +160,13 @@ def test_providers_that_forbid_it_are_refused_in_their_words_before_any_request(
         live_camera(source, source=SOURCE)
     assert source.policy.terms in str(wrong.value)
     assert not source.fetched
+
+
+@pytest.mark.parametrize("host", ["mt1.google.com", "tile.googleapis.com", "khms0.google.com"])
+def test_tiles_of_google_are_refused_by_their_address(host):
+    opened = named_source(f"https://{host}/{{z}}/{{x}}/{{y}}").open()
+    with closing(opened), pytest.raises(SourceError, match="Google's terms allow no bulk download"):
+        live_camera(opened, source=SOURCE)
 
 
 @pytest.mark.parametrize("deadline_s", [None, 1.0])
