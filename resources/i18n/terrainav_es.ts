@@ -15761,8 +15761,8 @@ Las flechas mueven el cursor; AvPág y RePág, de imagen en imagen; Intro muestr
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>
-        <source>vignetting {0!r}: must leave at most {1:g} times the light of the middle; leaves {2:.3g} at r = {3:.2g}</source>
-        <translation>viñeteo {0!r}: debe dejar como máximo {1:g} veces la luz del centro; en r = {3:.2g} deja {2:.3g}</translation>
+        <source>vignetting {0!r}: must leave at most {1:g} times the light of the middle, not {2:.3g} at r = {3:.2g}</source>
+        <translation>viñeteado {0!r}: debe dejar como mucho {1:g} veces la luz del centro, no {2:.3g} en r = {3:.2g}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts/optics.py"/>

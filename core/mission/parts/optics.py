@@ -46,7 +46,7 @@ def _check_vignetting(text: str) -> None:
     most = max(shares)
     if most > MOST_SHARE:
         raise InvalidInput(
-            "vignetting {0!r}: must leave at most {1:g} times the light of the middle; leaves {2:.3g} at r = {3:.2g}",
+            "vignetting {0!r}: must leave at most {1:g} times the light of the middle, not {2:.3g} at r = {3:.2g}",
             text,
             MOST_SHARE,
             most,

@@ -112,7 +112,8 @@ def _no_folder(case: Case) -> None:
 
 @remedy(
     "cli/living.py",
-    "video: GStreamer's RTSP server or its Python modules are missing; get it with: apt install gir1.2-gst-rtsp-server-1.0 python3-gst-1.0",
+    "video: GStreamer's RTSP server or its Python modules are missing; get it with: "
+    "apt install gir1.2-gst-rtsp-server-1.0 python3-gst-1.0",
 )
 def _no_gstreamer(case: Case) -> None:
     import asyncio
