@@ -24,6 +24,8 @@ from .camera import FrameRequest, LiveCamera, LiveFrame, Prepared
 _AHEAD_S, _LOOK_S = (0.5, 1.0, 1.5, 2.0, 3.0), 0.25
 #: Seconds of poses that give a velocity, and the least of them; faster poses are jumps, metres per second.
 _TRACK_S, _LEAST_TRACK_S, _FASTEST_M_S = 1.0, 0.05, 300.0
+#: Least height above the level ground that stands in.
+_LEAST_AGL_M = 1.0
 #: Seconds until relief is tried again that took too long.
 _RETRY_S = 1.0
 #: Threads that read heights and trace rays for frames with a deadline.
@@ -164,20 +166,29 @@ class RealTime:
         # One that is behind goes on reading heights that later frames need; two would take turns.
         if not is_hopeless and (self._behind is None or self._behind.done()):
             self._tried_s = self.clock()
-            preparing = self._behind = self._pool.submit(self._traced, request)
+            preparing = self._pool.submit(self._traced, request)
             wait((preparing,), max(left_s, 0.0) if self._tracing_s <= left_s else 0.0)
             if preparing.done():
                 with suppress(PartError, SourceError):
                     return preparing.result()
-        begun_s = self.clock()
-        levelled = self.camera.prepare(request, self._level_m)
+            self._behind = preparing
+        begun_s, level_m = self.clock(), self._level_m
+        if request.above_ellipsoid:
+            # Valleys may be lower than the last known ground.
+            level_m = min(level_m, request.up_m - _LEAST_AGL_M)
+        levelled = self.camera.prepare(request, level_m)
         self._levelling_s = _expected(self._levelling_s, self.clock() - begun_s)
         return levelled
 
     def _traced(self, request: FrameRequest) -> Prepared:
         """Prepare a frame over relief."""
         begun_s = self.clock()
-        prepared = self.camera.prepare(request)
+        try:
+            prepared = self.camera.prepare(request)
+        except (PartError, SourceError):
+            # Frames do not wait until it has been had once.
+            self._tracing_s = math.inf
+            raise
         self._tracing_s = self.clock() - begun_s
         self._level_m = float(prepared.plan.ground_m[0])
         return prepared

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 
 import numpy as np
@@ -215,6 +216,36 @@ def test_level_ground_stands_in_for_heights_that_are_not_there_yet():
             assert made.to_json()["error_bound_px"] is None
             assert (made.frame.picture != whole.picture).any(axis=-1).mean() > 0.9
             assert made.frame.height_m == pytest.approx(whole.height_m, abs=1e-6)
+
+
+def test_level_ground_stands_in_for_heights_that_cannot_be_had_and_they_are_not_asked_for_with_each_frame():
+    with real_time(NoiseSource(), elevation=("world",)) as live:
+        known = live.frame(REQUEST, encode, 30.0).frame
+        surface, asked = live.camera.heights.surface, []
+
+        def failing(*_, **__):
+            asked.append(1)
+            raise PartError("heights: are missing")
+
+        surface.surface = failing
+        low = REQUEST._replace(up_m=known.height_m - REQUEST.up_m - 20.0, above_ellipsoid=True)
+        begun_s = live.clock()
+        for request in (REQUEST, REQUEST, low, REQUEST):
+            assert live.frame(request, encode, 30.0).frame.level_m is not None
+        # Tried at once, and again each second.
+        assert 1 <= len(asked) <= 1 + int(live.clock() - begun_s)
+        del surface.surface
+        live._tried_s = -np.inf
+        waits_until(lambda: live.frame(REQUEST, encode, 30.0).frame.level_m is None)
+
+
+def test_frames_made_at_once_do_not_stand_in_for_each_other():
+    with real_time(NoiseSource(), elevation=("world",)) as live:
+        live.frame(REQUEST, encode, 30.0)
+        requests = [REQUEST._replace(yaw_deg=float(yaw)) for yaw in range(0, 120, 30)]
+        with ThreadPoolExecutor(2) as pool:
+            made = list(pool.map(lambda request: live.frame(request, encode, 30.0), requests))
+        assert [one.frame.level_m for one in made] == [None] * 4
 
 
 def test_jumps_give_no_velocity():
