@@ -5,11 +5,15 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from uuid import uuid4
 
 import numpy as np
 import pytest
 from pyproj import Transformer
+from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.choices import LAYOUTS
 from terrainav.core.capture.runner import capture
+from terrainav.core.capture.several import capture_imageries
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.loading.batches import LabelledImages
 from terrainav.core.errors import InvalidInput
@@ -17,12 +21,14 @@ from terrainav.core.exports.formats import export
 from terrainav.core.exports.views import Views
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.contract import CameraContract
-from terrainav.core.imagery.opening import open_source
+from terrainav.core.imagery.opening import named_source, open_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
 from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.products import sighting
+from terrainav.core.storage.files import read_existing
+from terrainav.core.storage.stores import store_path
 
 LAT, LON = 46.2, -122.2
 BROWN = Camera(70.0, k1=-0.2, k2=0.05, p1=0.002, p2=-0.001, k3=0.01, principal_x=0.02)
@@ -197,3 +203,25 @@ def test_tables_that_do_not_state_a_camera_are_refused(tmp_path, changed, messag
         writer.writerows(rows)
     with pytest.raises(InvalidInput, match=message):
         read_dataset(folder).image_set("satellite").contract(0)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_blocks_in_folders_and_stores_state_the_same(tmp_path, layout):
+    pytest.importorskip("upath")
+    whole, made = captured(tmp_path, BROWN, TILTED)
+    for place in (tmp_path / "blocks", f"memory://{uuid4().hex}/run"):
+        capture(made, named_source("world"), place, blocks=Blocks(2, layout))
+        assert read_existing(store_path(place) / "camera.json", 1 << 20) == (whole / "camera.json").read_bytes()
+        images = read_dataset(place).image_set("satellite")
+        assert images.contract(2) == read_dataset(whole).image_set("satellite").contract(2)
+
+
+def test_each_imagery_has_the_cameras_of_its_pixels(tmp_path):
+    imageries = ("photo=world", "streets=world:roadmap")
+    mission = Mission(Points(((LAT, LON, 60.0),)), 60.0, image_px=80, imageries=imageries, frame="camera")
+    sources = {name: open_source("world") for name in mission.missions_by_imagery}
+    plans = {name: plan(one, sources[name].grid) for name, one in mission.missions_by_imagery.items()}
+    capture_imageries(mission, plans, sources, tmp_path / "out")
+    for name, images in read_dataset(tmp_path / "out").image_sets.items():
+        about = json.loads((tmp_path / "out" / name / "camera.json").read_text())
+        assert CameraContract.from_json(about) == images.contract(0)

@@ -186,6 +186,30 @@ def test_lenses_that_distort(lens, tmp_path):
     assert {name for name in ("k1", "k2", "k3", "k4", "p1", "p2") if getattr(camera, name)} <= set(stated)
 
 
+@pytest.mark.parametrize("lens", ["ideal", *LENSES])
+def test_cameras_are_written_digit_by_digit(lens, tmp_path):
+    """The bytes of before formats derived from the contract: whatever the mission's camera gives, unrounded."""
+    camera, model, nerfstudio = LENSES.get(lens, (Camera(70.0), "PINHOLE", "OPENCV"))
+    views = Views.read(captured_with(camera, tmp_path))
+    wide, high = int(views.width_px[0]), int(views.height_px[0])
+    tan_x, tan_y = camera.half_tangents
+    pinhole = [wide / 2.0 / tan_x, high / 2.0 / tan_y]
+    pinhole += [wide * (0.5 + camera.principal_x), high * (0.5 + camera.principal_y)]
+    names = {"PINHOLE": "", "OPENCV": "k1 k2 p1 p2", "OPENCV_FISHEYE": "k1 k2 k3 k4"}
+    more = names.get(model, "k1 k2 p1 p2 k3 k4 k5 k6").split()
+    numbers = " ".join(repr(one) for one in (*pinhole, *(getattr(camera, name) for name in more)))
+    text = (export(views, tmp_path / "model", "colmap") / "sparse" / "0" / "cameras.txt").read_text()
+    assert text.splitlines()[1] == f"1 {model} {wide} {high} {numbers}"
+    if not nerfstudio:
+        return
+    names = ("k1", "k2", "k3", "k4") if camera.lens == "fisheye" else ("k1", "k2", "k3", "p1", "p2")
+    stated = [(name, getattr(camera, name)) for name in names if name != "k3" or camera.k3]
+    document = json.loads((export(views, tmp_path / "nerf", "nerfstudio") / "transforms.json").read_text())
+    frame = zip(("w", "h", "fl_x", "fl_y", "cx", "cy"), (wide, high, *pinhole))
+    assert list(document.items())[:-1] == [("camera_model", nerfstudio), *stated]
+    assert list(document["frames"][0].items())[1:-1] == list(frame)
+
+
 VARIED = {
     "brown": (
         Camera(70.0, k2=0.05),

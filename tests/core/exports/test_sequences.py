@@ -19,6 +19,7 @@ from terrainav.core.cli import main
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.errors import InvalidInput
 from terrainav.core.exports.kinds import SEQUENCES, export_as, refusals
+from terrainav.core.geodesy.contract import CameraContract
 from terrainav.core.geodesy.local import LocalFrame
 
 from tests.support.command import command
@@ -90,6 +91,24 @@ def test_depth_leads_to_the_ground_by_what_eurocs_files_state(flown, exported):
         body = seen.reshape(-1, 3) @ mount[:3, :3].T + mount[:3, 3]
         _, _, height = frame.geodetic(turn.apply(body) + state[:3])
         assert height == pytest.approx(GROUND_M, abs=2e-3)
+
+
+def test_exports_have_the_camera_of_the_sequence(flown, exported):
+    stated = json.loads((flown / "camera.json").read_text())
+    contract = CameraContract.from_json(stated)
+    for kind in (*SEQUENCES, "tum"):
+        about = json.loads((exported / kind / "camera.json").read_text())
+        assert about == {key: value for key, value in stated.items() if key != "table"}
+        assert CameraContract.from_json(about) == contract == read_dataset(flown).image_sets["satellite"].contract(5)
+
+
+def test_frames_of_several_cameras_are_no_sequence_of_one(tmp_path, monkeypatch, capsys):
+    run = command(tmp_path, monkeypatch, capsys)
+    asked = ("--coords", "46.2_-122.2_46.199_-122.198_100", "--rate", "0.2", "--img-size", "16", "12", "3")
+    assert run("fly", *asked, "--vary", "k1=uniform(-0.1,0.1)", "--data-dir", "out", "--quiet").returncode == 0
+    assert "fx_px" not in json.loads((tmp_path / "out" / "camera.json").read_text())
+    with pytest.raises(InvalidInput, match="its frames have several cameras, and a sequence has one"):
+        export_as(tmp_path / "out", tmp_path / "euroc", "euroc")
 
 
 def test_inertial_data_are_those_of_the_sequence(flown, exported):
