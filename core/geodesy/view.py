@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import chain
 from typing import NamedTuple, Union
 
 import numpy as np
@@ -171,6 +172,12 @@ class View:
         for cells in self.area_cells:
             if cells.zoom == zoom:
                 yield from cells.areas(self.grid, self.rays)
+
+    @property
+    def sample_count(self) -> int:
+        """Number of samples of the source of which areas are the means."""
+        loose = (one for one in self.samples if isinstance(one, Areas))
+        return sum(int(one.counts.prod(axis=1).sum()) for one in chain(loose, *map(self.areas, self.zooms)))
 
     @property
     def zooms(self) -> list[int]:

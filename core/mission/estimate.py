@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ..bands import RGB
+from ..camera.light import SRGB
 from ..errors import Message, OptionName
 from ..external.compiling import uses_numba
 from ..geodesy.ellipsoid import WGS84
@@ -26,7 +28,8 @@ from .flight.pilot import (
     speed_limits,
 )
 from .methods import ChosenMethods
-from .parts import IDEAL
+from .mission import Mission
+from .parts import IDEAL, NO_VIGNETTING
 from .plan import Plan
 from .takes import Timing, fastest_capture, motion_text
 
@@ -37,6 +40,8 @@ MOST_ORTHOMOSAIC_PX = 1 << 28
 ORTHOMOSAIC_DEG = 80.0
 #: Most threads that make an orthomosaic.
 ORTHOMOSAIC_THREADS = 8
+#: Rows of each of four strips by which the samples of an image by area are judged.
+_SAMPLED_ROWS = 16
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,11 @@ class Costs:
     trace_s_per_px, trace_s_per_cell : float
         Time to trace the rays of a camera frame over relief, twice, on one core: per pixel of the frame, and per cell
         of the relief below.
+    take_s_per_px, strip_s, traced_strip_s : float
+        Time to draw a pixel once more, at another instant or in another colour, on one core; and for each strip of rows
+        with a pose of its own, over level ground and over relief (`benchmarks/realism.py`).
+    sample_s, sample_numpy_s : float
+        Time to take a sample of a pixel's area, on one core, with numba and without.
     mosaic_s_per_px : float
         Time to read a pixel of an image for a mosaic, on one core.
     orthomosaic_s_per_px, orthomosaic_trace_s_per_px : float
@@ -76,6 +86,11 @@ class Costs:
     warp_s_per_px: float = 1e-7
     trace_s_per_px: float = 2e-6
     trace_s_per_cell: float = 5e-7
+    take_s_per_px: float = 3e-8
+    strip_s: float = 1.3e-3
+    traced_strip_s: float = 7e-3
+    sample_s: float = 1.1e-8
+    sample_numpy_s: float = 1.1e-7
     mosaic_s_per_px: float = 8e-8
     orthomosaic_s_per_px: float = 8e-7
     orthomosaic_trace_s_per_px: float = 5e-6
@@ -347,8 +362,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
     if costs.requests_per_s:
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
-    encode_s = (len(plan) * costs.image_s + pixels * costs.encode_s_per_px[mission.output.image_format]) / cores
-    encode_s += _instants(plan) * (plan.frames.resampled_px() * costs.warp_s_per_px + _trace_s(plan, costs)) / cores
+    pixel_s = costs.encode_s_per_px[mission.output.image_format] + _effects_s_per_px(mission)
+    encode_s = (len(plan) * costs.image_s + pixels * pixel_s + _draw_s(plan, costs)) / cores
     # Computing tiles competes with encoding for cores; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
     coverage, overlap, relief = plan.coverage, plan.overlap, _relief_figures(plan)
@@ -453,10 +468,49 @@ def _orthomosaic_px(plan: Plan) -> tuple[float, float]:
     return count_px, max(float(footprints_m2.sum()) / area_m2, 1.0)
 
 
-def _instants(plan: Plan) -> int:
-    """Number of instants of which each picture is made, at most."""
-    timing = Timing.of(plan, fastest_capture(plan)) if plan.mission.takes_time else None
-    return 1 if timing is None else timing.instants
+def _draw_s(plan: Plan, costs: Costs) -> float:
+    """Seconds that drawing the camera frames of one map type, with all of their takes, needs on one core."""
+    if plan.frames.on_map:
+        return 0.0
+    mission, index = plan.mission, fastest_capture(plan) if plan.mission.takes_time else 0
+    timing = Timing.of(plan, index)
+    instants, strips = (1, 1) if timing is None else (timing.instants, timing.strip_count)
+    takes = instants * (len(RGB) if plan.camera(index).splits_colours else 1)
+    per_px = costs.warp_s_per_px + (takes - 1) * costs.take_s_per_px
+    if mission.optics.by_area:
+        sample_s = costs.sample_s if uses_numba() else costs.sample_numpy_s
+        per_px += takes * _samples_a_px(plan, index) * sample_s
+    strip_s = costs.strip_s if plan.relief.is_level else costs.traced_strip_s
+    seconds = plan.frames.resampled_px() * per_px
+    seconds += takes * (_trace_s(plan, costs) + len(plan) * (strips - 1) * strip_s)
+    return seconds * (2 if mission.varied.keep_undistorted else 1)
+
+
+def _samples_a_px(plan: Plan, index: int) -> float:
+    """Samples of which a pixel of a capture is the mean, by area, judged by some strips of its rows."""
+    width, height = plan.views.size_px(index)
+    tops = [(2 * part + 1) * height // 8 for part in range(4)]
+    strips = [(top, min(top + _SAMPLED_ROWS, height)) for top in tops]
+    samples = sum(plan.views.view(index, rows=rows).sample_count for rows in strips)
+    return samples / (width * sum(bottom - top for top, bottom in strips))
+
+
+def _effects_s_per_px(mission: Mission) -> float:
+    """Seconds that the effects of a real camera on the light of a pixel take on one core; 0 without effects."""
+    # By `benchmarks/realism.py`, for 640 x 480 px.
+    air, optics, exposure = mission.air, mission.optics, mission.exposure
+    asked = (
+        (air.visibility_km is not None, 1.7e-8),
+        (optics.vignetting != NO_VIGNETTING, 0.15e-8),
+        (optics.diffraction or optics.mtf50 is not None, 7e-8),
+        (exposure.exposure != IDEAL, 0.1e-8),
+        (bool(mission.sensor.image_sensor), 2.4e-8),
+        (exposure.white_balance_k is not None, 0.4e-8),
+        (exposure.tone != SRGB, 0.0),
+    )
+    each = [seconds for is_asked, seconds in asked if is_asked]
+    # To linear light and back.
+    return sum(each, 0.9e-8) if each else 0.0
 
 
 def _trace_s(plan: Plan, costs: Costs) -> float:

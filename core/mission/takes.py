@@ -134,6 +134,11 @@ class Timing:
         """Number of instants whose mean the picture is."""
         return instant_count(self.blur_px)
 
+    @property
+    def strip_count(self) -> int:
+        """Number of strips of each instant."""
+        return len(self._planned_strips)
+
     def instants_s(self) -> list[float]:
         """Times of the instants after the middle of the exposure."""
         times: list[float] = instants_s(self.exposure_ms, self.instants).tolist()

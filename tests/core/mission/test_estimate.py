@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 from terrainav.core.external.compiling import uses_numba
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box, Points
@@ -15,6 +16,7 @@ from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, area_tex
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import mission_heights
+from terrainav.core.picture.shot import Shot
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 
@@ -57,6 +59,63 @@ def test_images_over_relief_take_longer_the_more_of_its_cells_they_see():
     added = (cells[1] - cells[0]) * costs.trace_s_per_cell / (3.0 if uses_numba() else 1.0)
     assert seconds[1] - seconds[0] == pytest.approx(added, rel=0.02)
     assert added > seconds[0] / 3.0
+
+
+#: A flight of two images in motion, and costs of nothing but a take's parts.
+MOVED = Mission(
+    Points(((35.156, -89.9, 150.0), (35.158, -89.9, 150.0))),
+    150.0,
+    tilt_deg=30.0,
+    motion_blur=True,
+    exposure_ms=20.0,
+    row_time_us=200.0,
+    airspeed_m_per_s=15.0,
+)
+FREE = replace(
+    OFFLINE, request_s=0.0, image_s=0.0, encode_s_per_px={"tif": 0.0}, warp_s_per_px=0.0, take_s_per_px=0.0, strip_s=0.0
+)
+
+
+def test_images_take_the_time_of_their_takes():
+    made = plan(MOVED, PixelGrid())
+    instants = Shot(made, 0).instants
+    assert len(instants) > 1
+    assert len(instants[0]) > 10
+    pixels = made.frames.resampled_px()
+
+    def seconds(worked_out, **costs):
+        return estimate(worked_out, replace(FREE, **costs), cores=1).seconds
+
+    # The strips of all instants but one each, which any image has.
+    assert seconds(made, strip_s=1.0) == 2 * sum(len(takes) - 1 for takes in instants)
+    assert seconds(made, take_s_per_px=1.0) == (len(instants) - 1) * pixels
+    red = plan(MOVED.replace(camera=Camera(red_scale=0.001)), PixelGrid())
+    assert seconds(red, take_s_per_px=1.0) == (3 * len(instants) - 1) * pixels
+    assert seconds(red, strip_s=1.0) == 3 * seconds(made, strip_s=1.0)
+
+
+@pytest.mark.parametrize(("tilt_deg", "native_zoom"), [(0.0, 22), (30.0, 19), (60.0, 22)])
+def test_images_by_area_take_the_time_of_their_samples(tilt_deg, native_zoom):
+    mission = Mission(MOVED.area, 150.0, tilt_deg=tilt_deg, frame="camera", sampling="area")
+    made = plan(mission, PixelGrid(native_zoom=native_zoom))
+    found = estimate(made, replace(FREE, sample_s=1.0, sample_numpy_s=1.0), cores=1).seconds
+    # Cells of strips are smaller than those of a whole image, and may read finer zooms.
+    assert found == pytest.approx(sum(made.views.view(index).sample_count for index in (0, 1)), rel=0.3)
+
+
+def test_effects_and_undistorted_twins_take_time():
+    ideal = Mission(MOVED.area, 150.0, frame="camera")
+    assert estimate(plan(ideal, PixelGrid()), FREE).seconds == 0.0
+    one = estimate(plan(ideal.replace(mtf50=0.3), PixelGrid()), FREE).seconds
+    more = estimate(
+        plan(ideal.replace(mtf50=0.3, visibility_km=5.0, white_balance_k=5000.0), PixelGrid()), FREE
+    ).seconds
+    assert 0.0 < one < more
+    bent, costs = ideal.replace(camera=Camera(k1=-0.1)), replace(FREE, warp_s_per_px=1.0)
+    alone, twice = (
+        estimate(plan(bent.replace(keep_undistorted=kept), PixelGrid()), costs).seconds for kept in (False, True)
+    )
+    assert twice == 2 * alone
 
 
 def test_mosaics_take_the_time_of_the_pixels_that_they_read_and_make(tmp_path):
