@@ -3304,6 +3304,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/live/dock.py"/>
+        <source>relief still level, error unknown</source>
+        <translation>relieve aún llano, error desconocido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/live/dock.py"/>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>yaw {yaw}°, tilt {tilt}°, roll {roll}°</source>
         <translation>guiñada {yaw}°, inclinación {tilt}°, alabeo {roll}°</translation>

@@ -179,7 +179,9 @@ def status_text(taken: LiveImage, unit: str) -> str:
             **{name: number_text(getattr(pose, f"{name}_deg"), ".1f") for name in ("yaw", "tilt", "roll")}
         ),
         "; ".join(str(choice.method.name) for choice in accuracy.choices),
-        tr("error ≤ {px} px").format(px=translate(bound_text(accuracy.bound_px))),
+        tr("relief still level, error unknown")
+        if taken.is_levelled
+        else tr("error ≤ {px} px").format(px=translate(bound_text(accuracy.bound_px))),
         tr("{ms} ms").format(ms=number_text(1000.0 * taken.made_s, ",.0f")),
     ]
     if taken.coarse_share > 0.0:

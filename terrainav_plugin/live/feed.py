@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from ...core.live.camera import FrameRequest
     from .source import LiveImage, LiveSource
 
-#: Longest wait for tiles of a picture, while coarser ones stand in for them.
-DEADLINE_S = 0.15
+#: Time in which a picture is made, with coarser tiles and level ground for what is not there by then.
+DEADLINE_S = 0.25
 
 
 class LiveFeed(QObject):

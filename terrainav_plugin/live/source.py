@@ -24,7 +24,8 @@ from ..sources import (
 )
 
 if TYPE_CHECKING:
-    from ...core.live.camera import FrameRequest, LiveCamera, LiveFrame
+    from ...core.live.camera import FrameRequest, LiveFrame
+    from ...core.live.realtime import RealTime
     from ...core.mission.methods import ChosenMethods
     from ...core.mission.mission import Mission
 
@@ -44,6 +45,8 @@ class LiveImage(NamedTuple):
     accuracy : ChosenMethods
     coarse_share : float
         Share of the pixels that are not at full resolution.
+    is_levelled : bool
+        Whether level ground stands in for relief that is not read yet; then the error is unknown.
     made_s : float
     """
 
@@ -55,6 +58,7 @@ class LiveImage(NamedTuple):
     ground_m: float
     accuracy: ChosenMethods
     coarse_share: float
+    is_levelled: bool
     made_s: float
 
 
@@ -82,11 +86,16 @@ class LiveSource:
         self._snapshot = mission_snapshot(mission)
         self._transport = source_transport(source)
         self._lock = threading.Lock()
-        self._camera: LiveCamera | None = None
+        self._camera: RealTime | None = None
         self._closed = False
 
-    def take(self, request: FrameRequest, wait_s: float | None, overtaken: Callable[[], bool]) -> LiveImage:
-        """Take a picture, as `LiveCamera.take`.
+    def take(self, request: FrameRequest, deadline_s: float | None, overtaken: Callable[[], bool]) -> LiveImage:
+        """Take a picture.
+
+        Parameters
+        ----------
+        deadline_s : float or None
+            Time in which it is made as well as it can be; None to wait for relief and full resolution.
 
         Raises
         ------
@@ -96,7 +105,7 @@ class LiveSource:
             The source is closed, or the request is overtaken.
         """
         with cancellable(lambda: overtaken() or self._closed):
-            return _live_image(self._opened().take(request, wait_s))
+            return _live_image(self._opened().frame(request, _no_file, deadline_s).frame)
 
     def close(self) -> None:
         """Stop all requests."""
@@ -110,10 +119,11 @@ class LiveSource:
         finally:
             self._lock.release()
         if camera is not None:
-            camera.tiles.close()
-            camera.source.close()
+            camera.close()
+            camera.camera.tiles.close()
+            camera.camera.source.close()
 
-    def _opened(self) -> LiveCamera:
+    def _opened(self) -> RealTime:
         """The camera, opened once for all threads."""
         with self._lock:
             camera = self._camera
@@ -125,16 +135,22 @@ class LiveSource:
             raise Cancelled("live view: closed")
         return camera
 
-    def _open(self) -> LiveCamera:
+    def _open(self) -> RealTime:
         from ...core.live.camera import LiveCamera
+        from ...core.live.realtime import RealTime
 
         source = open_for_capture(self.mission, self._key, transport=self._transport, snapshot=self._snapshot)
         try:
-            return LiveCamera(self.mission, source, mission_heights(self.mission))
+            return RealTime(LiveCamera(self.mission, source, mission_heights(self.mission)))
         except BaseException:
             with suppress(Exception):
                 source.close()
             raise
+
+
+def _no_file(_frame: LiveFrame) -> bytes:
+    """No encoding, as the picture is shown from memory."""
+    return b""
 
 
 def _live_image(frame: LiveFrame) -> LiveImage:
@@ -150,5 +166,6 @@ def _live_image(frame: LiveFrame) -> LiveImage:
         ground_m,
         plan.accuracy,
         frame.coarse_share,
+        frame.level_m is not None,
         frame.made_s,
     )

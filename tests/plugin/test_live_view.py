@@ -219,6 +219,17 @@ def test_the_camera_is_that_of_the_panel(desk, live):
     assert live.dock.entries["height"].suffix() == " ft"
 
 
+def test_relief_is_seen(desk, live):
+    live.dock.entries["tilt"].setValue(55.0)
+    desk.form.set_state(replace(desk.session.state(), elevation=("world",)))
+    desk.wait(lambda: live._source is not None and live._source.mission.terrain.elevation == ("world",))
+    taken = wait_shown(desk, live)
+    assert not taken.is_levelled
+    assert "error ≤" in live.dock.status.text()
+    assert taken.agl_m == pytest.approx(120.0)
+    assert np.array_equal(shown_pixels(live), expected(live, taken.request).picture[..., :3])
+
+
 def test_a_wrong_entry_is_one_line_and_goes_away(desk, live):
     before = desk.session.state()
     desk.form.set_state(replace(before, aspect="wide"))
@@ -235,10 +246,10 @@ def test_only_the_newest_pose_is_taken(desk, live, monkeypatch):
     gate, asked = threading.Event(), []
     take = type(live._source).take
 
-    def slow(source, request, wait_s, overtaken):
-        asked.append((request, wait_s))
+    def slow(source, request, deadline_s, overtaken):
+        asked.append((request, deadline_s))
         gate.wait(30.0)
-        return take(source, request, wait_s, overtaken)
+        return take(source, request, deadline_s, overtaken)
 
     monkeypatch.setattr(type(live._source), "take", slow)
     for step in range(20):
@@ -246,7 +257,7 @@ def test_only_the_newest_pose_is_taken(desk, live, monkeypatch):
     gate.set()
     wait_shown(desk, live)
     assert [request.yaw_deg for request, _ in asked] == [0.0, 19.0]
-    assert all(wait_s is not None for _, wait_s in asked)
+    assert all(deadline_s is not None for _, deadline_s in asked)
 
 
 def test_coarse_first_then_at_full_resolution(desk, ground):

@@ -202,6 +202,7 @@ def use_everything(iface, qtbot, folder):
     form_state = sys.modules["terrainav.terrainav_plugin.form.state"].FormState
     session.dock.form.set_state(form_state(**SMALL_BOX, **COARSE, folder=str(folder)))
     qtbot.waitUntil(lambda: not session.planner.busy, timeout=PATIENCE_MS)
+    plugin.actions["live_view"].trigger()
     plugin.actions["capture"].trigger()
     plugin.actions["clean_dataset"].trigger()
     session.datasets.open(write_dataset(folder.with_name(f"{folder.name}-there")))
