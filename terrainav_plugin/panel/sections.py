@@ -363,7 +363,7 @@ class LabelsSection(Section):
         show()
 
 
-class _Block(NamedTuple):
+class _EntryBlock(NamedTuple):
     """Rows that are shown and hidden together: what holds them, their form, and the widgets of the rows by field."""
 
     holder: QWidget
@@ -402,13 +402,13 @@ class RealismSection(Section):
         super().enter(state)
         self._show_rows()
 
-    def _block(self, names: Sequence[str]) -> _Block:
+    def _block(self, names: Sequence[str]) -> _EntryBlock:
         """Add the entries of fields that are shown and hidden together."""
         holder, outer = QWidget(), self._form
         holder.setProperty(KEYLESS, True)
         self._form = form_layout(holder)
         self._form.setContentsMargins(0, 0, 0, 0)
-        block = _Block(holder, self._form, {name: self.add_declared(name) for name in names})
+        block = _EntryBlock(holder, self._form, {name: self.add_declared(name) for name in names})
         self._form = outer
         outer.addRow(holder)
         return block
