@@ -25,7 +25,8 @@ from ..mission.export.rows import clock
 from ..mission.lenses import CaptureCameras
 from ..mission.parts import CLASSES, INTERPOLATE, LABELLED, RAW
 from ..mission.plan import Plan
-from ..picture.effects import Development, Facts
+from ..mission.takes import Facts
+from ..picture.effects import Development
 from ..picture.map_frame import resized
 from ..picture.optics import CameraSettings, Exposure, Exposures, plan_optics
 from ..picture.scene import RawValues

@@ -27,8 +27,8 @@ from ..mission.mission import Mission
 from ..mission.parts import ELLIPSOID, LABELLED
 from ..mission.plan import Plan, plan
 from ..mission.relief.ground import Heights
+from ..mission.takes import Facts
 from ..picture.camera_frame import parts_of_tiles
-from ..picture.effects import Facts
 from ..picture.map_frame import resized
 from ..picture.optics import plan_contract
 from ..picture.products import BANDS, products

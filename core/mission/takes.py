@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Union
 
 import numpy as np
 
@@ -30,8 +30,8 @@ RATE_COLUMNS = (
     *("speed_east_m_per_s", "speed_north_m_per_s", "speed_up_m_per_s"),
     *("yaw_rate_deg_per_s", "tilt_rate_deg_per_s", "roll_rate_deg_per_s"),
 )
-#: What is stated of the motion of a camera, by the name of the table's column.
-Facts = tuple[tuple[str, float], ...]
+#: What is stated of the camera of an image and of effects on it, by the name of the table's column.
+Facts = tuple[tuple[str, Union[float, str]], ...]
 
 
 class RowStrip(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, Union
+from typing import Protocol
 
 import numpy as np
 
@@ -14,13 +14,11 @@ from ..errors import InvalidInput
 from ..mission.mission import Mission
 from ..mission.parts import IDEAL, NO_VIGNETTING
 from ..mission.plan import Plan
+from ..mission.takes import Facts
 from .photometry import ExposedImage, Haze, PointSpread, ToneCurve, Vignetting, WhiteBalance, check_white_balance
 from .scene import Light, PictureScene, RawValues
 from .sensor import SensorReadout, check_sensor
 from .shot import MapShot, Shot
-
-#: What is stated of the effects on an image, by the name of the table's column.
-Facts = tuple[tuple[str, Union[float, str]], ...]
 
 
 class Effect(Protocol):
