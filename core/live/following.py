@@ -148,8 +148,8 @@ class _Samples:
         del self.times[:old], self.samples[:old]
         return True
 
-    def around(self, time_s: float) -> tuple[_Sample, _Sample]:
-        """Samples before and after a time; the last one twice if the time is after it.
+    def around(self, time_s: float, furthest_s: float) -> tuple[_Sample, _Sample]:
+        """Samples before and after a time; the last one twice if the time is up to ``furthest_s`` after it.
 
         Raises
         ------
@@ -161,7 +161,7 @@ class _Samples:
         at = bisect_left(self.times, time_s)
         if at == len(self.times):
             last = self.samples[-1]
-            if time_s - last.time_s > FURTHEST_S:
+            if time_s - last.time_s > furthest_s:
                 raise InvalidInput("pose at {0:.3f} s: the last known one is of {1:.3f} s", time_s, last.time_s)
             return last, last
         after = self.samples[at]
@@ -175,9 +175,8 @@ class PoseTrack:
     """Track of a vehicle's poses.
 
     Positions are interpolated by cubic polynomials that have the given velocities, in geocentric coordinates;
-    attitudes by the shortest turn. After the last pose, positions go on at its velocity and the attitude stays, for at
-    most `FURTHEST_S`. Poses may arrive in any order; of those that contradict the track in time or place, the third in
-    a row begins it anew.
+    attitudes by the shortest turn. After the last pose, positions go on at its velocity and the attitude stays. Poses
+    may arrive in any order; of those that contradict the track in time or place, the third in a row begins it anew.
 
     Attributes
     ----------
@@ -271,17 +270,22 @@ class PoseTrack:
         """When the last pose arrived; minus infinity without poses."""
         return max((one.arrived_s for one in self._newest.values()), default=-math.inf)
 
-    def at(self, time_s: float) -> VehiclePose:
+    def at(self, time_s: float, furthest_s: float = FURTHEST_S) -> VehiclePose:
         """Pose at a time by the vehicle's clock.
+
+        Parameters
+        ----------
+        furthest_s : float
+            Longest extrapolation.
 
         Raises
         ------
         InvalidInput
             No pose is known near that time.
         """
-        before, after = self._places.around(time_s)
+        before, after = self._places.around(time_s, furthest_s)
         lat, lon, height = (float(value) for value in geodetic(_place(before, after, time_s)))
-        turned, turning = self._attitudes.around(time_s)
+        turned, turning = self._attitudes.around(time_s, furthest_s)
         late_s = max(0.0, time_s - after.time_s, time_s - turning.time_s)
         return VehiclePose(time_s, lat, lon, height, _attitude(turned, turning, time_s), late_s)
 

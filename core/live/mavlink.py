@@ -35,13 +35,11 @@ COMPONENT, GIMBAL = protocol.MAV_COMP_ID_CAMERA, 1
 #: Seconds without poses after which the vehicle is lost; longest wait for the poses around an exposure.
 LOST_S, PATIENCE_S = 2.0, 1.0
 #: Shortest interval between photographs, seconds; most that wait; most whose message can be asked for again.
-FASTEST_S, WAITING, REMEMBERED = 0.1, 32, 10_000
+FASTEST_S, WAITING, REMEMBERED = 0.1, 32, 1_000
 #: Bytes that must stay free on the disk.
 _SPARE_BYTES = 100 << 20
 #: Seconds between attitudes of the gimbal; attitudes to a heartbeat, and to messages that some clients do not ask for.
 _TICK_S, _HEARTBEAT, _UNASKED = 0.2, 5, 25
-#: Most senders whose last sequence number is known.
-_SENDERS = 16
 _ACCEPTED, _LATER, _DENIED, _UNSUPPORTED, _FAILED = (
     int(getattr(protocol, f"MAV_RESULT_{name}"))
     for name in ("ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "UNSUPPORTED", "FAILED")
@@ -93,7 +91,7 @@ class CameraComponent:
         self._heard, self._tasks, self._interval = asyncio.Event(), set[Any](), _Interval()
         # Photographs of former flights stay.
         self._next = 1 + max((int(one.stem) for one in folder.glob("*.jpg") if one.stem.isdecimal()), default=-1)
-        self._waiting, self._sequences = 0, dict[Sender, int]()
+        self._waiting, self._last_order = 0, (self.gimbal.control, 0)
         self._commands: dict[int, Callable[[Sequence[float], Sender], int]] = {
             protocol.MAV_CMD_REQUEST_MESSAGE: lambda p, _: self._request(int(p[0]), p[1]),
             protocol.MAV_CMD_IMAGE_START_CAPTURE: self._start_images,
@@ -167,11 +165,11 @@ class CameraComponent:
         if count < 0 or (count != 1 and not FASTEST_S <= interval_s < math.inf):
             return _DENIED
         if count == 1:
-            if sequence and self._sequences.get(sender) == sequence:
+            if sequence and self._last_order == (sender, sequence):
                 return _ACCEPTED  # The command again, as its acknowledgement was lost.
             result = self._expose()
-            if result == _ACCEPTED and len(self._sequences) < _SENDERS:
-                self._sequences[sender] = sequence
+            if result == _ACCEPTED:
+                self._last_order = (sender, sequence)
             return result
         self._stop_images()
         result = self._expose()
@@ -223,13 +221,14 @@ class CameraComponent:
         self._report(exposure, pose, path.absolute().as_uri() if is_taken else "")
 
     async def _pose(self, time_s: float) -> VehiclePose:
-        """Pose at a time, once the poses around it are known, or after a while without them."""
+        """Pose at a time, once the poses around it are known; InvalidInput after a while without them."""
         end_s = self._clock() + PATIENCE_S
         while self.track.last_s < time_s and (left_s := end_s - self._clock()) > 0.0:
             self._heard.clear()
             with suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._heard.wait(), left_s)
-        return self.track.at(time_s)
+        # The protocol cannot say that a pose is extrapolated.
+        return self.track.at(time_s, furthest_s=0.0)
 
     def _report(self, exposure: _Exposure, pose: VehiclePose | None, address: str) -> None:
         place, quaternion = (0, 0, 0, 0), [0.0] * 4
@@ -289,7 +288,7 @@ class CameraComponent:
                 return _DENIED
             send: Callable[[], None] | None = partial(self.mav.send, found)
         else:
-            send = self._sender(number)
+            send = self._message(number)
         if send is None:
             return _UNSUPPORTED
         asyncio.get_running_loop().call_soon(send)
@@ -321,11 +320,11 @@ class CameraComponent:
 
     def _send_state(self) -> None:
         for number in _STATE:
-            send = self._sender(number)
+            send = self._message(number)
             if send is not None:
                 send()
 
-    def _sender(self, number: int) -> Callable[[], None] | None:
+    def _message(self, number: int) -> Callable[[], None] | None:
         """What sends a message; None for one that the camera lacks."""
         return None if number in _OF_VIDEO and not self.server.video else self._messages.get(number)
 
