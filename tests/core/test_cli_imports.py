@@ -73,7 +73,7 @@ def test_the_version_is_told_without_the_options(tmp_path):
 
 def test_help_and_refusals_need_no_numerics(tmp_path):
     lines = ["--help", "", *(f"{command} --help" for command in COMMANDS)]
-    refused = ["--wrong", "fly", *(f"{command} --wrong" for command in COMMANDS), "load out --part none"]
+    refused = ["--wrong", "swim", *(f"{command} --wrong" for command in COMMANDS), "load out --part none"]
     codes, modules = run(*lines, *refused, cwd=tmp_path)
     assert codes == [0] * len(lines) + [2] * len(refused)
     assert not modules & {"numpy", "pyproj", "requests", "PIL", "owslib", "matplotlib"}
