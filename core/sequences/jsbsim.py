@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -67,9 +68,11 @@ def fly_script(
     file = Path(script).resolve() if Path(script).is_file() else Path(script)
     if not (Path(root or jsbsim.get_default_root_dir()) / file).is_file():
         raise InvalidInput("JSBSim script {0}: no such file", script)
-    with _silent():
+    # Scripts and aircraft write tables, of which nothing is needed, into the working folder unless told another.
+    with _silent(), TemporaryDirectory() as tables:
         try:
             model = jsbsim.FGFDMExec(None if root is None else str(root))
+            model.set_output_path(tables)
             is_read = model.load_script(str(file))
             if is_read and place_deg is not None:
                 model["ic/lat-geod-deg"], model["ic/long-gc-deg"] = place_deg

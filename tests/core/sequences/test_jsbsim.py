@@ -29,10 +29,11 @@ def run(tmp_path, monkeypatch, capsys):
 
 
 @pytest.fixture(scope="module")
-def own():
+def own(tmp_path_factory):
     """What JSBSim itself states of the flight: time, rates against the stars, and forces by mass."""
     model = jsbsim.FGFDMExec(None)
     model.set_debug_level(0)
+    model.set_output_path(str(tmp_path_factory.mktemp("tables")))
     model.load_script(SCRIPT)
     model["ic/lat-geod-deg"], model["ic/long-gc-deg"] = 46.2, -122.2
     model.run_ic()
@@ -60,6 +61,12 @@ def test_measurements_are_the_rates_and_forces_of_the_model(own):
     assert np.abs(expected[:, :3]).max() > 0.1
     assert np.sqrt(np.mean(forces**2)) < 0.02
     assert np.abs(expected[:, 5]).min() > 9.0
+
+
+def test_nothing_is_left_in_the_working_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    fly_script(SCRIPT, place_deg=(46.2, -122.2))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_quadrotor_flies_over_relief(run, tmp_path):
