@@ -82,9 +82,10 @@ class Server:
         )
         if hasattr(os, "sched_setaffinity"):
             os.sched_setaffinity(self.process.pid, {0})
-        # Its address, once it serves.
-        if self.process.stderr is None or b"http" not in self.process.stderr.readline():
-            raise RuntimeError("the server did not start")
+        # Each interface tells its address once it serves.
+        for _ in range(1 + ("--airsim" in more)):
+            if self.process.stderr is None or not self.process.stderr.readline():
+                raise RuntimeError("the server did not start")
 
     def close(self) -> None:
         """End the server."""
