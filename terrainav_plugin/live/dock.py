@@ -99,7 +99,8 @@ class LiveDock(QgsDockWidget):
         self.record.setText(
             tr("Stop rec&ording ({poses})").format(poses=number_text(poses)) if is_recording else tr("Rec&ord")
         )
-        for widget in (self.follow, self.folder, self.rate):
+        widgets: tuple[QWidget, ...] = (self.follow, self.folder, self.rate)
+        for widget in widgets:
             widget.setEnabled(not is_recording)
 
     def show_following(self, following: bool) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from qgis.core import Qgis, QgsCsException, QgsPointXY, QgsProject
 from qgis.gui import QgsMapCanvas, QgsMapCanvasItem, QgsRubberBand, QgsVertexMarker
@@ -133,7 +133,7 @@ class CameraMarks(QObject):
         """Footprint, heading, camera and handle on the canvas; empty without a camera."""
         return self._items
 
-    def _signals(self) -> tuple[object, ...]:
+    def _signals(self) -> tuple[Any, ...]:
         canvas = self._canvas
         return canvas.extentsChanged, canvas.scaleChanged, canvas.rotationChanged, canvas.destinationCrsChanged
 

@@ -309,7 +309,7 @@ def test_whatever_ends_a_capture_leaves_its_table(tmp_path, name, code):
         (["plan", "--coords", BOX, "--output", "plan.shp"], ".kmz, .plan, .survey.plan, .json"),
         (["plan", "gone.json"], "gone.json"),
         (["plan", "--nonsense"], "--nonsense"),
-        (["fly"], "fly"),
+        (["swim"], "swim"),
         (["capture", "--coords", BOX, "--source", "https://tiles.example/{z}/{x}.png"], "{y}"),
         (["capture", "--coords", BOX, "--img-size", "0", "5", "3"], "image size 0 5 3"),
     ],

@@ -130,4 +130,7 @@ def _no_gstreamer(case: Case) -> None:
         patch.delitem(sys.modules, "terrainav.core.live.rtsp", raising=False)
         patch.setitem(sys.modules, "gi", None)
         case.refused(lambda: asyncio.run(opened()))
-    case.follow("get it with: apt install", lambda: "gir1.2-gst-rtsp-server-1.0" in SETUP.read_text())
+    case.follow(
+        "get it with: apt install gir1.2-gst-rtsp-server-1.0 python3-gst-1.0",
+        lambda: "gir1.2-gst-rtsp-server-1.0" in SETUP.read_text(),
+    )
