@@ -105,7 +105,8 @@ class LiveDock(QgsDockWidget):
 
     def show_following(self, following: bool) -> None:
         """Enable the entries of the pose unless the camera follows the flight."""
-        for widget in (self.place, *self.entries.values()):
+        widgets: tuple[QWidget, ...] = (self.place, *self.entries.values())
+        for widget in widgets:
             widget.setEnabled(not following)
 
     def set_unit(self, unit: str) -> None:
