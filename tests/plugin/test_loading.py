@@ -215,6 +215,33 @@ def use_everything(iface, qtbot, folder):
     qtbot.waitUntil(lambda: any(folder.rglob("*.tif")), timeout=PATIENCE_MS)
 
 
+def test_a_live_view_at_work_leaves_nothing_behind(unloaded, iface, qtbot, tmp_path):
+    """Unloaded while it opens its imagery or takes pictures."""
+
+    def threads():
+        return [thread.name for thread in threading.enumerate() if thread.name.startswith("terrainav")]
+
+    before = None
+    for number in range(3):
+        load()
+        session = qgis.utils.plugins[PLUGIN].session
+        form_state = sys.modules["terrainav.terrainav_plugin.form.state"].FormState
+        state = form_state(**SMALL_BOX, elevation=("world",), tilt_deg=60.0, folder=str(tmp_path / "mission"))
+        session.dock.form.set_state(state)
+        session.live.open()
+        assert session.live.feed.busy
+        if number:
+            qtbot.waitUntil(lambda live=session.live: live.dock.picture.image is not None, timeout=PATIENCE_MS)
+        assert qgis.utils.unloadPlugin(PLUGIN)
+        iface.newProject(False)
+        qtbot.waitUntil(lambda: not threads(), timeout=PATIENCE_MS)
+        settle()
+        assert names_of_the_plugin(iface) == []
+        if before is not None:
+            assert differences(before, census(iface)) == {}
+        before = census(iface)
+
+
 def running():
     """Threads of Python, open files, timers and top windows, of which a plugin may leave some."""
     return {
