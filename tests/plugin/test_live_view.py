@@ -31,8 +31,8 @@ __all__ = ["dem"]
 HERE = 35.1353, -89.863
 
 
-@pytest.fixture
-def live(desk, ground):
+@pytest.fixture(name="live")
+def opened_live(desk, ground):
     """The live view over the embedded world, opened from the toolbar and closed afterwards."""
     desk.form.set_state(replace(desk.session.state(), source="world", agl=120.0, image_px=64))
     desk.enter_small_mission()

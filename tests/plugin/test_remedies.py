@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from tests.plugin.remedies import areas, layers, missions, panel  # noqa: F401
+from tests.plugin.remedies import areas, layers, live, missions, panel  # noqa: F401
 from tests.plugin.remedies.areas import small_pictures  # noqa: F401
 from tests.plugin.remedies.layers import connections, project  # noqa: F401
 from tests.plugin.remedies.missions import _provider, cleaning, looking  # noqa: F401
+from tests.plugin.test_live_view import opened_live  # noqa: F401
 from tests.plugin.test_sources_keys import configured  # noqa: F401
 from tests.plugin.transports import server_fixture, transport_of_fixture  # noqa: F401
 from tests.support.remedies import ENTRIES, Case, places, unknown_beginnings
