@@ -191,15 +191,14 @@ def _made(server: FrameServer, asked: FrameQuery, recent: RecentPoses | None = N
 def _about(server: FrameServer) -> dict[str, Any]:
     """What the page and clients need to know before the first frame."""
     camera = server.camera
-    bounds = camera.mission.area.bounds
-    west, south, east, north = bounds.edges_deg
+    start = camera.start
     return {
         "camera": camera.contract.to_json(),
         "start": {
-            "lat_deg": (south + north) / 2.0,
-            "lon_deg": (west + east) / 2.0,
-            "agl_m": camera.mission.flight.agl_m,
-            "tilt_deg": camera.mission.attitude.tilt_deg,
+            "lat_deg": start.lat_deg,
+            "lon_deg": start.lon_deg,
+            "agl_m": start.up_m,
+            "tilt_deg": start.tilt_deg,
         },
         "products": list(camera.offered),
         "follows": server.follows,
