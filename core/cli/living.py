@@ -83,6 +83,12 @@ def _serving(module: str, package: str) -> Any:
         ) from missing
 
 
+def _check_here(interface: Message, host: str) -> None:
+    """Refuse to serve other machines by an interface without tokens."""
+    if host not in LOOPBACK:
+        raise InvalidInput("{0} at {1}: has no tokens, so it serves this machine alone", interface, host)
+
+
 async def _open_http(opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, port: int) -> str:
     """Serve HTTP; returns the address of the page."""
     serve = _serving("http", "aiohttp")
@@ -93,8 +99,7 @@ async def _open_http(opened: AsyncExitStack, server: FrameServer, arguments: arg
 
 async def _open_airsim(opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, port: int) -> str:
     """Serve AirSim's clients, which have no tokens."""
-    if arguments.host not in LOOPBACK:
-        raise InvalidInput("AirSim's interface at {0}: has no tokens, so it serves this machine alone", arguments.host)
+    _check_here(Message("AirSim's interface"), arguments.host)
     serve = _serving("airsim", "msgpack")
     await opened.enter_async_context(serve(server, arguments.host, port))
     return f"{arguments.host}:{port}"
@@ -102,8 +107,7 @@ async def _open_airsim(opened: AsyncExitStack, server: FrameServer, arguments: a
 
 async def _open_fdm(opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, port: int) -> str:
     """Follow a flight simulator."""
-    if arguments.host not in LOOPBACK:
-        raise InvalidInput("FDM interface at {0}: has no tokens, so it serves this machine alone", arguments.host)
+    _check_here(Message("FDM interface"), arguments.host)
     from ..live.flightgear import serve
 
     await opened.enter_async_context(serve(server, arguments.host, port, arguments.sea_level))
@@ -112,8 +116,7 @@ async def _open_fdm(opened: AsyncExitStack, server: FrameServer, arguments: argp
 
 async def _open_rtsp(opened: AsyncExitStack, server: FrameServer, arguments: argparse.Namespace, port: int) -> str:
     """Stream video, whose viewers have no tokens."""
-    if arguments.host not in LOOPBACK:
-        raise InvalidInput("video at {0}: has no tokens, so it serves this machine alone", arguments.host)
+    _check_here(Message("video"), arguments.host)
     try:
         rtsp = import_module("...live.rtsp", __name__)
     except (ImportError, ValueError) as missing:
